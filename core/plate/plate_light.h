@@ -82,8 +82,8 @@ PlateUnsure plateUnsure(const std::string& name);
 
 /// `after` with the logarithm r of its factor replaced by w r + (1 - w) s, w = min(1, confidence / 0.25): s is 0 for
 /// `keep`, else the mean of r over surfaces around, weighted by w (pulled down and pushed up a pyramid of halves).
-/// Emitters stay, pixels where look and capture show different surfaces, and those where no surface is: a lamp does not
-/// reach them, as the model has it. Cost: about 0.05 microseconds a pixel.
+/// Emitters stay, pixels where look and capture show different surfaces, and those where no surface is: the model lets
+/// no emitter reach them. Cost: about 0.05 microseconds a pixel.
 std::vector<Rgb> whereUnsure(PlateUnsure unsure, const PlateLight& light, std::vector<Rgb> after);
 
 /// The relit plate in the plate's own scale: applyRatio on plate / gain. `after`: what steadied() gave.
