@@ -71,6 +71,11 @@ TEST(PlatePanels, theExportOffersItsFramesAndSaysWhatCannotBe) {
     ExportRequest r = p.editor->state.exportFrames;
     EXPECT_EQ(r.views, ExportRequest::Views::plate);
     EXPECT_EQ(r.range, "0-5");
+    p.frames(2);
+    const auto unsure = p.find(Panels::idOf("Export frames###export", {"Smooth where unsure"}));
+    ASSERT_TRUE(unsure);
+    p.click(*unsure);
+    EXPECT_EQ(p.editor->state.exportFrames.unsure, PlateUnsure::smooth);
     const OpenPlate& plate = *p.editor->plate();
     r.file = p.folder / "relit.####.exr";
     EXPECT_TRUE(checkExport(r, 6, 0, &plate).ok());
@@ -84,6 +89,11 @@ TEST(PlatePanels, theExportOffersItsFramesAndSaysWhatCannotBe) {
     EXPECT_EQ(checkExport(r, 6, 0, &plate).frames, 6u);
     r.layers = "residual";
     EXPECT_FALSE(checkExport(r, 6, 0, &plate).layers.empty());
+    r.layers = "groups,cryptomatte";
+    r.exr.compression = "dwaa";
+    EXPECT_NE(checkExport(r, 6, 0, &plate).layers.find("Cryptomatte"), std::string::npos);
+    r.exr.compression = "piz";
+    EXPECT_TRUE(checkExport(r, 6, 0, &plate).ok());
     r.views = ExportRequest::Views::all;
     r.ratio = Ratio::difference;
     EXPECT_TRUE(checkExport(r, 6, 0).ok());
