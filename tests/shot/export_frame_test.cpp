@@ -193,7 +193,7 @@ TEST_F(WrittenFrame, HasEveryLayerWithNamesThatOtherProgramsRead) {
                              "Combined_rest.G", "correction.B", "CryptoEmitter00.R", "CryptoEmitter02.A", "albedo.R",
                              "normal.X", "normal.Z", "position.Y", "depth.Z"})
         EXPECT_TRUE(header.channels.contains(name)) << name;
-    EXPECT_EQ(header.channels.size(), 4u + 4 * 3 + 3 + 3 + 3 + 3 + 1 + 3 * 4);
+    EXPECT_EQ(header.channels.size(), 4u + 4 * 3 + 3 + 3 + 3 + 3 + 1 + 1 + 3 * 4);
 }
 
 TEST_F(WrittenFrame, HoldsOnlyTheLayersNamed) {

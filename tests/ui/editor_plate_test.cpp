@@ -125,9 +125,7 @@ TEST(PlatePlayer, ALoopLongerThanItsMemoryReadsOnlyWhatFindsNoRoom) {
         for (const int frame : {0, 1, 4}) shown(frame, true, one);
         s.until([&] { return player.show(s.editor->plate(), 4, true, one).empty() && !player.working(); });
         // In the first round one is kept, and stays.
-        if (round > 0) {
-            EXPECT_LE(player.read() - before, 2u) << "of three";
-        }
+        if (round > 0) { EXPECT_LE(player.read() - before, 2u) << "of three"; }
     }
     // At rest what is far away makes room.
     shown(4, false, one);
