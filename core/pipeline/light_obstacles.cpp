@@ -5,11 +5,9 @@
 #include "radiance/agreement.h"
 
 namespace relamp {
-namespace {
 
-/// Vertices that may be of a skin which is not there.
-std::vector<std::vector<uint32_t>> suspectsOf(const Scene& scene, const RadianceSamples& samples,
-                                              const EmitterClusters& emitters) {
+std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const RadianceSamples& samples,
+                                                    const EmitterClusters& emitters) {
     std::vector<std::vector<uint32_t>> suspects;
     for (const RejectedPatch& patch : emitters.rejected)
         if (!patch.besideBall.empty()) suspects.push_back(patch.besideBall);
@@ -37,12 +35,10 @@ std::vector<std::vector<uint32_t>> suspectsOf(const Scene& scene, const Radiance
     return suspects;
 }
 
-}  // namespace
-
 std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& samples,
                                      const EmitterClusters& emitters, const SolveOptions& options, Progress& progress) {
     std::vector<uint32_t> result;
-    const std::vector<std::vector<uint32_t>> suspects = suspectsOf(scene, samples, emitters);
+    const std::vector<std::vector<uint32_t>> suspects = obstacleSuspects(scene, samples, emitters);
     if (suspects.empty()) return result;
     // None of the suspects tells of the light, with or without them.
     std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);

@@ -11,9 +11,13 @@ namespace relamp {
 /// Suspect are patches beside the ball that shine so brightly that its light on them must explain it: a reconstruction
 /// stretches a skin over the opening of a shade, and on it stands what is seen through it. Each goes if the misfit of
 /// the planner's pilot falls by 1 % or more and by three standard errors without it. So do surface near the ball that
-/// no photograph shows, and what lies on the ball: the reconstruction's own bulb. Cost: a pilot for a suspect, a second
-/// on a mesh of 50 000 vertices; nothing without suspects. Throws Cancelled.
+/// no photograph shows, and what lies on the ball and shines as it does: the reconstruction's own bulb. Cost: a pilot
+/// for a suspect, a second on a mesh of 50 000 vertices; nothing without suspects. Throws Cancelled.
 std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& samples,
                                      const EmitterClusters& emitters, const SolveOptions& options, Progress& progress);
+
+/// The vertices of each suspect.
+std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const RadianceSamples& samples,
+                                                    const EmitterClusters& emitters);
 
 }  // namespace relamp
