@@ -76,8 +76,9 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
 void checkLayers(const std::string& layers);
 
 /// The same for a frame that is rendered already: root RGBA and the layers it can give (no residual; the correction is
-/// that of the frame's own light). Of `how` PNG and JPEG take `view` and `display`, EXR `exr`. With a `region` the frame is that
-/// part of the camera's image: EXR keeps it in its place (data window in display window), PNG and JPEG hold it alone.
+/// that of the frame's own light). Of `how` PNG and JPEG take `view` and `display`, EXR `exr`. With a `region` the
+/// frame is that part of the camera's image: EXR keeps it in its place (data window in display window), PNG and JPEG
+/// hold it alone.
 double writeFrame(const std::filesystem::path& file, const Frame& frame, const RelitScene& relit, const Camera& camera,
                   const std::string& layers, const DVec3& origin = DVec3(0), const std::optional<ImageBox>& region = {},
                   const FrameFileOptions& how = {});

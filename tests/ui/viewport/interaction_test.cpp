@@ -75,6 +75,7 @@ TEST(Interaction, theProbeIsTheRadianceUnderThePointer) {
     p.frames(1);
     ASSERT_TRUE(probe);
     p.editor->state.viewport.exposureStops = 3;
+    p.editor->state.message.clear();  // a long one leaves no room
     const std::string words = p.wordsOf([&] { drawStatusBar(*p.editor); });
     const float stops = std::log2(std::max(luminance(*probe), 1e-9f) / 0.18f) + 3;
     EXPECT_NE(words.find(fmt::format("{:+.1f} stops", stops)), std::string::npos) << words;
