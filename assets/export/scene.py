@@ -5,7 +5,8 @@
 
 Every light is an object with a light group of its own, the environment is the group "world". Radiance, albedo and
 places are those of relamp: view 0 of matte surfaces is the frame that `relamp render` makes of it. Glossy lobes are
-Glossy BSDFs of the same roughness. Lens distortion, IES profiles and images of lights are left out and said so.
+Glossy BSDFs of the same roughness. Lens distortion, IES profiles, images and barn doors of lights are left out and
+said so.
 """
 import argparse
 import array
@@ -73,6 +74,8 @@ def strength_of(light, nodes, links):
     for key in ("ies_file", "gobo_file", "surface_file"):
         if key in shaping:
             note("%s: its %s is left out" % (light["name"], key))
+    if any(key.endswith("_door_degrees") for key in shaping):
+        note("%s: its barn doors are left out" % light["name"])
     if "cone_degrees" not in shaping and "focus" not in shaping:
         return strength
     dot = nodes.new("ShaderNodeVectorMath")

@@ -269,9 +269,12 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             if (!infoOf(emitter.shape).shapeable())
                 throw Error("{}.shaping: a {} has none", where, infoOf(emitter.shape).name);
             emitter.shaping = shapingFromJson(e["shaping"], where + ".shaping", folder);
-            if (!infoOf(emitter.shape).flat && (emitter.shaping.doors() || !emitter.shaping.surfaceFile.empty()))
+            if (!infoOf(emitter.shape).flat && (emitter.shaping.doors() || !emitter.shaping.surfaceFile.empty())) {
                 logWarning("{}.shaping: a {} has no face for barn doors or an image; passed over", where,
                            infoOf(emitter.shape).name);
+                emitter.shaping.surfaceFile.clear();
+                for (const BarnDoor& door : barnDoors) emitter.shaping.*door.degrees = 90;
+            }
         }
         if (e.contains("name")) emitter.name = nameOf(e, where);
         look.added.push_back(emitter);

@@ -228,8 +228,11 @@ std::vector<std::string> leftOut(const ExportedScene& scene) {
         if (c.shaping.plain()) continue;
         std::string line =
             fmt::format("{}: lights.gltf, surfaces.obj and materials.mtlx have its radiance without its shape", c.name);
-        if (!c.shaping.goboFile.empty() || !c.shaping.surfaceFile.empty())
-            line += "; lights.usda and scene.py leave its images out";
+        const bool images = !c.shaping.goboFile.empty() || !c.shaping.surfaceFile.empty(), doors = c.shaping.doors();
+        if (images || doors)
+            line += fmt::format("; lights.usda and scene.py leave its {} out", images && doors ? "images and barn doors"
+                                                                               : images        ? "images"
+                                                                                               : "barn doors");
         lines.push_back(line);
     }
     for (const ExportedComponent& c : scene.components)

@@ -343,6 +343,11 @@ TEST_F(ShapedLightWithFiles, SaysWhichFieldOfItsDocumentIsWrong) {
     EXPECT_EQ(says("top_door_degrees", 91), "added_emitters[0].shaping.top_door_degrees: is 91, expected -60 to 90");
     EXPECT_NE(says("ies_file", 3).find("added_emitters[0].shaping.ies_file"), std::string::npos);
     EXPECT_NE(says("", 3).find("added_emitters[0].shaping: expected an object"), std::string::npos);
+    nlohmann::json ball = lookToJson(lightAbove({}, EmitterShape::sphere));
+    ball["added_emitters"][0]["shaping"] = {{"left_door_degrees", 0}, {"surface_file", "card.png"}, {"focus", 2}};
+    LightShaping left;
+    left.focus = 2;
+    EXPECT_EQ(lookFromJson(ball, "").added[0].shaping, left) << "a ball has no face";
     EXPECT_EQ(says("focus", 1, "part"), "added_emitters[0].shaping: a part has none");
 }
 

@@ -100,6 +100,7 @@ TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
     look.added[0].shadows = false;
     look.added[1].shaping.coneDegrees = 30;
     look.added[1].shaping.iesFile = ies;
+    look.added[1].shaping.topDoor = 60;
     const Scene scene = test::sceneOf(test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2));
     const RelitScene lit = test::relitOf(scene, shot.estimate, look);
     const std::vector<std::string> words = exportScene(shot, lit, folder / "lights", false);
@@ -121,6 +122,7 @@ TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
     EXPECT_NE(usd.find("@./beam.ies@"), std::string::npos);
     ASSERT_EQ(words.size(), 1u);
     EXPECT_NE(words[0].find("spot-1: lights.gltf"), std::string::npos) << words[0];
+    EXPECT_NE(words[0].find("scene.py leave its barn doors out"), std::string::npos) << words[0];
     // A cone needs no photometric file.
     look.added[1].shaping.iesFile.clear();
     const std::string plain =
