@@ -178,6 +178,15 @@ TEST(Habits, aHintGoesWhileItsFieldIsTypedInto) {
     EXPECT_FALSE(shows({40, 15}));
 }
 
+/// Opens a shot and the lights' panel; where the first one's exposure stands in it.
+auto exposureOfFirstLight(Panels& p) {
+    p.openSolved();
+    p.windowSize(640, 300);
+    p.frame([&p] { drawEmittersPanel(*p.editor); });
+    p.frames(2);
+    return p.find(Panels::idOf("test", {"##emitters", p.editor->emitters()[0].id.c_str(), "##stops"}));
+}
+
 TEST(Habits, aDoubleClickIsOneAtAnyFrameRateAndWhatIsTypedStaysInTheField) {
     DoubleClicks clicks;
     EXPECT_FALSE(clicks.second(0, 10));
@@ -187,13 +196,9 @@ TEST(Habits, aDoubleClickIsOneAtAnyFrameRateAndWhatIsTypedStaysInTheField) {
     EXPECT_FALSE(clicks.second(0, 11.5));
 
     Panels p;
-    p.openSolved();
-    const std::string id = p.editor->emitters()[0].id;
-    p.windowSize(640, 300);
-    p.frame([&] { drawEmittersPanel(*p.editor); });
-    p.frames(2);
-    const auto at = p.find(Panels::idOf("test", {"##emitters", id.c_str(), "##stops"}));
+    const auto at = exposureOfFirstLight(p);
     ASSERT_TRUE(at);
+    const std::string id = p.editor->emitters()[0].id;
     ImGuiIO& io = ImGui::GetIO();
     io.DeltaTime = 0.35f;  // seconds
     const auto press = [&](double seconds) {
@@ -215,13 +220,9 @@ TEST(Habits, aDoubleClickIsOneAtAnyFrameRateAndWhatIsTypedStaysInTheField) {
 
 TEST(Habits, shiftIsFineInFieldsAsInTheViewport) {
     Panels p;
-    p.openSolved();
-    const std::string id = p.editor->emitters()[0].id;
-    p.windowSize(640, 300);
-    p.frame([&] { drawEmittersPanel(*p.editor); });
-    p.frames(2);
-    const auto at = p.find(Panels::idOf("test", {"##emitters", id.c_str(), "##stops"}));
+    const auto at = exposureOfFirstLight(p);
     ASSERT_TRUE(at);
+    const std::string id = p.editor->emitters()[0].id;
     const auto dragged = [&](bool shift) {
         p.mouse(*at);
         p.frames(2);
