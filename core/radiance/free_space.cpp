@@ -138,12 +138,8 @@ std::vector<float> evidenceOf(const Scene& scene, const Capture& capture, const 
             const float distance = background.distance(direction, s.radiance);
             if (distance >= 0) off.push_back(distance);
             sure += distance >= 0 && background.whole(direction);
-            const std::optional<Rgb> others = medianObservation(samples, uint32_t(v), s.view);
-            if (!others) continue;
-            float sum = 0;
-            for (int c = 0; c < 3; ++c)
-                sum += std::abs(std::log(std::max(s.radiance[c], floor) / std::max((*others)[c], floor)));
-            apart.push_back(sum / 3);
+            if (const std::optional<Rgb> others = medianObservation(samples, uint32_t(v), s.view))
+                apart.push_back(logDistance(s.radiance, *others, *others, floor));
         }
         better[v] = surfaceBefore(std::move(apart), std::move(off), sure);
     });
@@ -222,13 +218,8 @@ std::vector<float> likeness(const Scene& scene, const RadianceSamples& samples) 
             for (uint32_t i = samples.start[v], k = samples.start[w];
                  i < samples.start[v + 1] && k < samples.start[w + 1];) {
                 const RadianceSample &a = samples.samples[i], &b = samples.samples[k];
-                if (a.view == b.view) {
-                    float sum = 0;
-                    for (int c = 0; c < 3; ++c)
-                        sum += std::abs(std::log(std::max(a.radiance[c], samples.noiseFloor) /
-                                                 std::max(b.radiance[c], samples.noiseFloor)));
-                    contrast.push_back(sum / 3);
-                }
+                if (a.view == b.view)
+                    contrast.push_back(logDistance(a.radiance, b.radiance, b.radiance, samples.noiseFloor));
                 i += a.view <= b.view;
                 k += b.view <= a.view;
             }

@@ -64,6 +64,11 @@ Vec3 pivotOf(const AddedEmitter* added, const std::string& id, const LookPivots&
     return Vec3(0);
 }
 
+/// Keyed values have the order of barnDoors.
+float LightShaping::*doorOf(KeyedValue value) {
+    return barnDoors[size_t(value) - size_t(KeyedValue::leftDoor)].degrees;
+}
+
 bool applies(Owner owner, const AddedEmitter* added) {
     switch (owner) {
         case Owner::recovered: return !added;
@@ -124,10 +129,10 @@ std::optional<Vec3> valueOfLight(const Look& look, const KeyedOf& what, const Lo
         case KeyedValue::coneDegrees: return Vec3(added->shaping.coneDegrees, 0, 0);
         case KeyedValue::coneSoftness: return Vec3(added->shaping.coneSoftness, 0, 0);
         case KeyedValue::focus: return Vec3(added->shaping.focus, 0, 0);
-        case KeyedValue::leftDoor: return Vec3(added->shaping.leftDoor, 0, 0);
-        case KeyedValue::rightDoor: return Vec3(added->shaping.rightDoor, 0, 0);
-        case KeyedValue::topDoor: return Vec3(added->shaping.topDoor, 0, 0);
-        case KeyedValue::bottomDoor: return Vec3(added->shaping.bottomDoor, 0, 0);
+        case KeyedValue::leftDoor:
+        case KeyedValue::rightDoor:
+        case KeyedValue::topDoor:
+        case KeyedValue::bottomDoor: return Vec3(added->shaping.*doorOf(what.value), 0, 0);
         default: return {};
     }
 }
@@ -164,10 +169,10 @@ void setValueOfLight(Look& look, const KeyedOf& what, const Vec3& value, const L
         case KeyedValue::coneDegrees: added->shaping.coneDegrees = value.x; return;
         case KeyedValue::coneSoftness: added->shaping.coneSoftness = value.x; return;
         case KeyedValue::focus: added->shaping.focus = value.x; return;
-        case KeyedValue::leftDoor: added->shaping.leftDoor = value.x; return;
-        case KeyedValue::rightDoor: added->shaping.rightDoor = value.x; return;
-        case KeyedValue::topDoor: added->shaping.topDoor = value.x; return;
-        case KeyedValue::bottomDoor: added->shaping.bottomDoor = value.x; return;
+        case KeyedValue::leftDoor:
+        case KeyedValue::rightDoor:
+        case KeyedValue::topDoor:
+        case KeyedValue::bottomDoor: added->shaping.*doorOf(what.value) = value.x; return;
         default: return;
     }
 }

@@ -1,5 +1,6 @@
 #include "shot/export_scene.h"
 
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -110,9 +111,14 @@ ExportedComponent componentOf(const RelitScene& relit, const std::vector<FaceTex
     return component;
 }
 
+/// What a light's shape is made of; empty where it has none.
+std::array<fs::path*, 3> filesIn(LightShaping& shaping) {
+    return {&shaping.iesFile, &shaping.goboFile, &shaping.surfaceFile};
+}
+
 /// With the names of the copies beside the scene.
 Json exportedShaping(LightShaping shaping) {
-    for (fs::path* file : {&shaping.iesFile, &shaping.goboFile, &shaping.surfaceFile}) *file = file->filename();
+    for (fs::path* file : filesIn(shaping)) *file = file->filename();
     return shapingToJson(shaping);
 }
 
@@ -208,8 +214,7 @@ void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& 
 void copyShapingFiles(ExportedScene& scene, const fs::path& folder, const InputFiles& inputs) {
     std::map<std::string, fs::path> copies;  // by name
     for (ExportedComponent& component : scene.components)
-        for (fs::path* file :
-             {&component.shaping.iesFile, &component.shaping.goboFile, &component.shaping.surfaceFile}) {
+        for (fs::path* file : filesIn(component.shaping)) {
             if (file->empty()) continue;
             const std::string stem = file->stem().string(), extension = file->extension().string();
             std::string name = stem + extension;

@@ -96,7 +96,8 @@ TEST(ValueKeys, EveryValueSurvivesItsFile) {
                                   : info.owner == Owner::look    ? ""
                                                                  : "spot-1"};
         Vec3 value(0);
-        for (int k = 0; k < info.components; ++k) value[k] = info.kind == KeyedValueInfo::Kind::flag ? 1 : 0.5f;
+        const float own = 0.5f + 0.02f * float(look.curves.size());  // none stands in for another
+        for (int k = 0; k < info.components; ++k) value[k] = info.kind == KeyedValueInfo::Kind::flag ? 1 : own;
         curve.keys = {{3, value, KeyEase::hold}, {8, value, KeyEase::smooth}};
         look.curves.push_back(curve);
     }
