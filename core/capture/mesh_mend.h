@@ -16,11 +16,13 @@ struct MeshMend {
     std::vector<uint32_t> shadowless;  ///< the same: they stay and light passes them
     std::vector<MovedVertex> moved;    ///< vertices of the file, and of what is added to it
     std::vector<uint32_t> shining;  ///< vertices that send the light of the emitter they are connected with, ascending
+    std::vector<uint32_t> bothSides;   ///< vertices of emitters whose backs shine as their fronts do, ascending
     std::vector<Vec3> addedPositions;  ///< vertices that follow the file's; metres, as above
     std::vector<Triangle> added;       ///< of them, counted from the first of them
 
     bool empty() const {
-        return removed.empty() && shadowless.empty() && moved.empty() && shining.empty() && added.empty();
+        return removed.empty() && shadowless.empty() && moved.empty() && shining.empty() &&
+               bothSides.empty() && added.empty();
     }
     bool operator==(const MeshMend&) const = default;
 };

@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/statistics.h"
 #include "clusters/emitter_mend.h"
+#include "pipeline/emitter_backs.h"
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
@@ -156,6 +157,15 @@ public:
         return best;
     }
 
+    /// Sheets that shine to the side which the mesh has not.
+    void openBacks() {
+        mend_.bothSides =
+            shiningToBothSides(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
+        if (!mend_.bothSides.empty())
+            say("a light is a sheet without a back, and photographs are explained better if it shines to both sides: "
+                "it does");
+    }
+
     MeshMend result() && { return std::move(mend_); }
 
 private:
@@ -217,6 +227,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     const bool skirts = mender.takeSkirtsOff();
     if (skirts || moved) mender.completeSurfaces();
     mender.shapeEmitters(skirts || moved);
+    mender.openBacks();
     return std::move(mender).result();
 }
 

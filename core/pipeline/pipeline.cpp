@@ -7,6 +7,7 @@
 #include "capture/own_axes.h"
 #include "clusters/shining_sides.h"
 #include "clusters/state_emitters.h"
+#include "pipeline/emitter_backs.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
@@ -194,7 +195,10 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared.scene = std::make_shared<const Scene>(buildScene(capture.mesh, progress, ownAxes(capture)));
         }
     }
-    if (!prepared.working) letSidesShine(*prepared.scene, done.mend.shining, prepared.clusters);
+    if (!prepared.working) {
+        letSidesShine(*prepared.scene, done.mend.shining, prepared.clusters);
+        letBacksShine(done.mend.bothSides, prepared.clusters);
+    }
     if (!done.registration.empty() || !done.mend.empty()) prepared.meshError = halfAnEdge(*prepared.scene);
     return done;
 }

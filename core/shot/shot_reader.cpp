@@ -202,6 +202,7 @@ MeshMend mendOf(const JsonFields& object) {
     for (size_t i = 0; i < moved.size(); ++i)
         mend.moved.push_back({moved[i], Vec3(at[3 * i], at[3 * i + 1], at[3 * i + 2])});
     mend.shining = indicesOf(object, "shining_vertices");
+    mend.bothSides = indicesOf(object, "both_sides_vertices");
     const std::vector<float> added = object.numbers("added_positions");
     const std::vector<uint32_t> corners = indicesOf(object, "added_triangles");
     if (added.size() % 3 != 0) throw Error("{}: expected three numbers a vertex", object.name("added_positions"));

@@ -164,8 +164,8 @@ Json mendToJson(const MeshMend& mend) {
         for (const uint32_t v : t) triangles.push_back(v);
     return {{"removed_triangles", mend.removed}, {"shadowless_triangles", mend.shadowless},
             {"moved_vertices", moved},           {"positions", at},
-            {"shining_vertices", mend.shining},  {"added_positions", added},
-            {"added_triangles", triangles}};
+            {"shining_vertices", mend.shining},  {"both_sides_vertices", mend.bothSides},
+            {"added_positions", added},          {"added_triangles", triangles}};
 }
 
 Json registrationJson(const RegistrationFix& fix) {
