@@ -20,10 +20,11 @@ struct MeshMend {
     std::vector<Vec3> addedPositions;  ///< vertices that follow the file's; metres, as above
     std::vector<Triangle> added;       ///< of them, counted from the first of them
 
-    bool empty() const {
-        return removed.empty() && shadowless.empty() && moved.empty() && shining.empty() &&
-               bothSides.empty() && added.empty();
+    /// Whether the surface or its shadows are other than in the file.
+    bool reshapes() const {
+        return !(removed.empty() && shadowless.empty() && moved.empty() && shining.empty() && added.empty());
     }
+    bool empty() const { return !reshapes() && bothSides.empty(); }
     bool operator==(const MeshMend&) const = default;
 };
 

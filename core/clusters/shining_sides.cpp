@@ -62,4 +62,15 @@ void letSidesShine(const Scene& scene, const std::vector<uint32_t>& shining, Emi
     if (changed) indexEmitters(scene, clusters);
 }
 
+void letBacksShine(const std::vector<uint32_t>& bothSides, EmitterClusters& clusters) {
+    if (bothSides.empty()) return;
+    for (std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
+        for (EmitterCluster& e : *list) {
+            const auto marked = std::count_if(e.vertices.begin(), e.vertices.end(), [&](uint32_t v) {
+                return std::binary_search(bothSides.begin(), bothSides.end(), v);
+            });
+            if (!e.fitted && !e.unobserved && 2 * size_t(marked) > e.vertices.size()) e.twoSided = true;
+        }
+}
+
 }  // namespace relamp

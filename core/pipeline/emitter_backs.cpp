@@ -11,29 +11,14 @@ namespace {
 
 constexpr float mostlyOpen = 0.5f;  ///< of the area
 constexpr double leastFall = 0.01;  ///< of the misfit
-constexpr double surestErrors = 3;        ///< standard errors
+constexpr double leastErrors = 3;   ///< standard errors
 
-/// One emitter among those that are certain, by its place in the result.
+/// With `candidate` taken for an emitter.
 EmitterClusters withCandidate(const Scene& scene, const EmitterClusters& clusters, const EmitterCluster& candidate) {
     EmitterClusters all = clusters;
     all.emitters.push_back(candidate);
     indexEmitters(scene, all);
     return all;
-}
-
-struct Fall {
-    double part = 0, errors = 0;  ///< of the misfit; in standard errors
-};
-
-Fall fallOf(const std::vector<double>& before, const std::vector<double>& after) {
-    double whole = 0, fall = 0, squares = 0;
-    for (size_t i = 0; i < before.size() && i < after.size(); ++i) {
-        const double step = before[i] - after[i];
-        whole += before[i];
-        fall += step;
-        squares += step * step;
-    }
-    return {fall / std::max(whole, 1e-30), fall / std::sqrt(std::max(squares, 1e-30))};
 }
 
 }  // namespace
@@ -80,28 +65,14 @@ std::vector<uint32_t> shiningToBothSides(const Scene& scene, const RadianceSampl
         const auto misfits = [&](const EmitterClusters& emitters) {
             return pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
         };
-        const Fall fall = fallOf(misfits(oneSided), misfits(twoSided));
-        logInfo(
-            "a light of {:.0f} cm2 that is a sheet, if it shines to both sides: misfit {:+.2f} %, {:.1f} standard "
-            "errors",
-            1e4f * e->area, -100 * fall.part, fall.errors);
-        if (!(fall.part > leastFall && fall.errors > surestErrors)) continue;
+        const MisfitFall fall = misfitFall(misfits(oneSided), misfits(twoSided));
+        logInfo("a light of {:.0f} cm2 that is a sheet, if it shines to both sides: {}", 1e4f * e->area, fall.words());
+        if (!fall.exceeds(leastFall, leastErrors)) continue;
         result.insert(result.end(), e->vertices.begin(), e->vertices.end());
         if (certain) present = twoSided;
     }
     std::sort(result.begin(), result.end());
     return result;
-}
-
-void letBacksShine(const std::vector<uint32_t>& vertices, EmitterClusters& clusters) {
-    if (vertices.empty()) return;
-    for (std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
-        for (EmitterCluster& e : *list) {
-            const auto marked = std::count_if(e.vertices.begin(), e.vertices.end(), [&](uint32_t v) {
-                return std::binary_search(vertices.begin(), vertices.end(), v);
-            });
-            if (!e.fitted && !e.unobserved && 2 * size_t(marked) > e.vertices.size()) e.twoSided = true;
-        }
 }
 
 }  // namespace relamp

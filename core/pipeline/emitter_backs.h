@@ -19,7 +19,4 @@ std::vector<uint32_t> shiningToBothSides(const Scene& scene, const RadianceSampl
                                          const EmitterClusters& clusters, const SolveOptions& options,
                                          Progress& progress);
 
-/// Marks emitters and candidates two-sided of which most vertices are in `vertices` (MeshMend::bothSides), ascending.
-void letBacksShine(const std::vector<uint32_t>& vertices, EmitterClusters& clusters);
-
 }  // namespace relamp

@@ -70,17 +70,10 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
         open.tracer = std::make_shared<const RayTracer>(open.mesh, open.diagonal);
         const std::vector<double> misfits =
             pilotMisfits(open, samples, emitters, observed.matte, observed.pairs, options, progress);
-        double whole = 0, fall = 0, squares = 0;
-        for (size_t i = 0; i < present.size() && i < misfits.size(); ++i) {
-            whole += present[i];
-            fall += present[i] - misfits[i];
-            squares += (present[i] - misfits[i]) * (present[i] - misfits[i]);
-        }
-        logInfo(
-            "without the shadow of {} triangles beside a light: misfit of {} pairs {:+.2f} %, {:.1f} standard errors",
-            triangles.size() - result.size(), misfits.size(), -100 * fall / std::max(whole, 1e-30),
-            fall / std::sqrt(std::max(squares, 1e-30)));
-        if (!(fall > 0.01 * whole && fall > 3 * std::sqrt(squares))) continue;
+        const MisfitFall fall = misfitFall(present, misfits);
+        logInfo("without the shadow of {} triangles beside a light: {}", triangles.size() - result.size(),
+                fall.words());
+        if (!fall.exceeds(0.01, 3)) continue;
         result = std::move(triangles);
         present = misfits;
         sinceAccepted = 0;

@@ -28,23 +28,15 @@ NormalsChoice chooseNormals(const Scene& scene, const RadianceSamples& samples, 
     const std::vector<double> asTheyAre =
         pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
     std::vector<double> best = asTheyAre;
-    double whole = 0;
-    for (const double m : asTheyAre) whole += m;
     for (const int rounds : {2, 6}) {
         Scene smoother = scene;
         smoother.mesh.normals = smoothedNormals(scene.mesh, rounds);
         const std::vector<double> misfits =
             pilotMisfits(smoother, samples, emitters, observed.matte, observed.pairs, options, progress);
-        double fall = 0, squares = 0, sinceBest = 0;
-        for (size_t k = 0; k < misfits.size(); ++k) {
-            fall += asTheyAre[k] - misfits[k];
-            squares += (asTheyAre[k] - misfits[k]) * (asTheyAre[k] - misfits[k]);
-            sinceBest += best[k] - misfits[k];
-        }
-        logInfo("normals smoothed {} times: misfit of {} pairs {:+.2f} %, {:.1f} standard errors", rounds,
-                misfits.size(), -100 * fall / std::max(whole, 1e-30), fall / std::sqrt(std::max(squares, 1e-30)));
-        if (!(fall > 0.015 * whole && fall > 4 * std::sqrt(squares) && sinceBest > 0)) break;
-        choice = {rounds, fall / whole};
+        const MisfitFall fall = misfitFall(asTheyAre, misfits);
+        logInfo("normals smoothed {} times: {}", rounds, fall.words());
+        if (!fall.exceeds(0.015, 4) || !(misfitFall(best, misfits).part > 0)) break;
+        choice = {rounds, fall.part};
         best = misfits;
     }
     return choice;

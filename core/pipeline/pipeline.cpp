@@ -7,7 +7,6 @@
 #include "capture/own_axes.h"
 #include "clusters/shining_sides.h"
 #include "clusters/state_emitters.h"
-#include "pipeline/emitter_backs.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
@@ -113,10 +112,10 @@ MeshMend mendByBrightestState(const PipelineOptions& options, Capture& capture, 
     ofPart.samples = std::make_shared<const RadianceSamples>(samplesOfPart(*prepared.samples, state));
     ofPart.clusters = clustersInState(*prepared.scene, prepared.clusters, state);
     MeshMend mend = mendMesh(options, part, ofPart, moved, meter, progress);
-    if (mend.empty() && part.proxies.size() == proxies) return mend;
+    capture.notes.insert(capture.notes.end(), part.notes.begin(), part.notes.end());
+    if (!mend.reshapes() && part.proxies.size() == proxies) return mend;
     capture.mesh = std::move(part.mesh);
     capture.proxies = std::move(part.proxies);
-    capture.notes.insert(capture.notes.end(), part.notes.begin(), part.notes.end());
     prepared = prepare(capture, options, meter, progress);
     return mend;
 }
@@ -199,7 +198,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         letSidesShine(*prepared.scene, done.mend.shining, prepared.clusters);
         letBacksShine(done.mend.bothSides, prepared.clusters);
     }
-    if (!done.registration.empty() || !done.mend.empty()) prepared.meshError = halfAnEdge(*prepared.scene);
+    if (!done.registration.empty() || done.mend.reshapes()) prepared.meshError = halfAnEdge(*prepared.scene);
     return done;
 }
 

@@ -284,4 +284,20 @@ std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samp
     return misfits;
 }
 
+MisfitFall misfitFall(const std::vector<double>& before, const std::vector<double>& after) {
+    double whole = 0, fall = 0, squares = 0;
+    for (size_t i = 0; i < before.size() && i < after.size(); ++i) {
+        const double step = before[i] - after[i];
+        whole += before[i];
+        fall += step;
+        squares += step * step;
+    }
+    return {fall / std::max(whole, 1e-30), fall / std::sqrt(std::max(squares, 1e-30)),
+            std::min(before.size(), after.size())};
+}
+
+std::string MisfitFall::words() const {
+    return fmt::format("misfit of {} pairs {:+.2f} %, {:.1f} standard errors", pairs, -100 * part, errors);
+}
+
 }  // namespace relamp

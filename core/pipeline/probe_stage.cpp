@@ -17,8 +17,6 @@ constexpr double worseRise = 0.02, worseErrors = 3;  // of the pilot's misfit; s
 void askShading(const LightProbe& probe, const Scene& scene, const RadianceSamples& samples,
                 const EmitterClusters& emitters, const RatioObservations& observed, const std::vector<double>& without,
                 const SolveOptions& options, ProbeFit& fit, Progress& progress) {
-    double whole = 0;
-    for (const double m : without) whole += m;
     FittedProbe fitted = fittedProbe(probe, fit, scene.axes);
     // The pilot has few of the solve's pairs, against which a row weighs so much more.
     const float fewer = float(std::sqrt(double(observed.pairs.size()) / double(std::max<size_t>(1, without.size()))));
@@ -26,15 +24,9 @@ void askShading(const LightProbe& probe, const Scene& scene, const RadianceSampl
         fitted.fit.noise = fewer * fit.noise;
         const std::vector<double> with = pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options,
                                                       progress, {std::make_shared<const FittedProbe>(fitted)});
-        double rise = 0, squares = 0;
-        for (size_t k = 0; k < with.size(); ++k) {
-            rise += with[k] - without[k];
-            squares += (with[k] - without[k]) * (with[k] - without[k]);
-        }
-        logInfo("{} with a noise of {:.0f} %: misfit of {} pairs {:+.1f} %, {:.1f} standard errors", fit.name,
-                100 * fit.noise, with.size(), 100 * rise / std::max(whole, 1e-30),
-                rise / std::sqrt(std::max(squares, 1e-30)));
-        if (rise <= worseRise * whole || rise <= worseErrors * std::sqrt(squares)) return;
+        const MisfitFall fall = misfitFall(without, with);
+        logInfo("{} with a noise of {:.0f} %: {}", fit.name, 100 * fit.noise, fall.words());
+        if (-fall.part <= worseRise || -fall.errors <= worseErrors) return;
         fit.contradicted = true;
     }
 }

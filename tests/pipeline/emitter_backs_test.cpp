@@ -5,6 +5,7 @@
 
 #include <numeric>
 
+#include "clusters/shining_sides.h"
 #include "pipeline/pipeline.h"
 #include "support/known_world.h"
 

@@ -25,6 +25,7 @@ protected:
         test::writeOneViewCapture(folder, file);
         shot.captureFolder = folder / "capture";
         shot.fix.mend.removed = {0};
+        shot.fix.mend.bothSides = {3, 5};
         shot.fix.mend.addedPositions = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
         shot.fix.mend.added = {{0, 1, 2}, {0, 2, 3}};
         ProxyLight told;
