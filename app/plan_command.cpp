@@ -29,10 +29,18 @@ int plan(const SolveArguments& a, bool json, Progress& progress) {
     }
     if (r.search) {
         nlohmann::json& found = document["unobserved_light"];
-        found = {{"found", r.search->light.has_value()}, {"words", r.search->words}};
-        if (const auto& light = r.search->light) {
-            const DVec3 place = r.capture.origin + DVec3(light->position);
-            found["position"] = {place.x, place.y, place.z};
+        found = {{"found", !r.search->lights.empty()}, {"words", r.search->words}};
+        for (const UnobservedLight& light : r.search->lights) {
+            const DVec3 place = r.capture.origin + DVec3(light.position);
+            nlohmann::json one{{"position", {place.x, place.y, place.z}},
+                               {"position_stddev", {light.sigma().x, light.sigma().y, light.sigma().z}},
+                               {"fraction", light.fraction},
+                               {"standard_errors", light.certainty}};
+            if (!light.lobe.even())
+                one["lobe"] = {{"axis", {light.lobe.axis.x, light.lobe.axis.y, light.lobe.axis.z}},
+                               {"power", light.lobe.power}};
+            if (!found.contains("position")) found["position"] = one["position"];
+            found["lights"].push_back(std::move(one));
         }
         document["unseen_lamp"] = found;  // the name of version 1, for scripts
         text += r.search->words + "\n";

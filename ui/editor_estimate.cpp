@@ -250,10 +250,10 @@ void Editor::findUnobservedLight() {
             options.solve.seed = seed;
             const UnobservedLightSearch search = searchUnobservedLight(*capture, options, progress, scene, samples);
             CaptureFix wanted = fix;
-            if (search.light) wanted.proxies.push_back(proxyOf(*search.light));
+            for (const UnobservedLight& light : search.lights) wanted.proxies.push_back(proxyOf(light));
             return [impl, search, folder, wanted] {
                 impl->self.state.unobservedSearch = {folder, search.words};
-                if (search.light) impl->self.fixCapture(wanted);
+                if (!search.lights.empty()) impl->self.fixCapture(wanted);
             };
         });
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <vector>
 
+#include "capture/emission_lobe.h"
 #include "scene/mesh.h"
 
 namespace relamp {
@@ -10,10 +11,11 @@ namespace relamp {
 struct ProxyLight {
     DVec3 centre{
         0};  ///< metres, Z up; among a Capture's proxies counted from its origin, in a CaptureFix from the files'
-    float radius = 0;    ///< metres, more than 0
-    Vec3 sigma{0};       ///< standard deviation of the centre along X, Y, Z, metres; 0: it was told, not found
-    bool found = false;  ///< from shading and shadows (solve/unobserved/unobserved_light.h)
-    Rgb radiance{0};     ///< as photographs show it; 0: none shows it, and the solve finds it
+    float radius = 0;     ///< metres, more than 0
+    Vec3 sigma{0};        ///< standard deviation of the centre along X, Y, Z, metres; 0: it was told, not found
+    bool found = false;   ///< from shading and shadows (solve/unobserved/unobserved_light.h)
+    Rgb radiance{0};      ///< as photographs show it; 0: none shows it, and the solve finds it
+    EmissionLobe lobe{};  ///< where it shines to one side
     bool observed() const { return maxChannel(radiance) > 0; }
     bool operator==(const ProxyLight&) const = default;
 };

@@ -85,6 +85,7 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, const Radiance
             continue;
         }
         cluster.unobserved = true;
+        cluster.lobe = proxy.lobe;
         // A guess: half of what lights the middle of the scene, on an albedo of 0.3.
         const float distance = glm::length(Vec3(proxy.centre) - middleOf(scene, firstVertex));
         cluster.radiance = Rgb(std::max(brightness, 1e-9f) / 0.6f *

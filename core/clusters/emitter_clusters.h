@@ -5,6 +5,7 @@
 
 #include "base/progress.h"
 #include "capture/capture.h"
+#include "capture/emission_lobe.h"
 #include "clusters/emission_pattern.h"
 #include "radiance/samples.h"
 #include "scene/scene.h"
@@ -44,6 +45,7 @@ struct EmitterCluster {
     /// Of each of `vertices`: its radiance in parts of `radiance`, the mean over the surface; empty: it shines evenly.
     std::vector<float> level = {};
     std::shared_ptr<const EmissionPattern> pattern = {};  ///< the same for any point of the surface; null: evenly
+    EmissionLobe lobe = {};  ///< how its radiance depends on direction; `radiance` is that along the axis
     /// In each lighting state of the capture, in parts of `radiance`, which it has where it is brightest; 0: off.
     /// Empty: it shines alike in all.
     std::vector<float> inState = {};

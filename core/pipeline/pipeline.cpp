@@ -22,7 +22,7 @@
 namespace relamp {
 
 ProxyLight proxyOf(const UnobservedLight& light) {
-    return {light.position, 0.015f * light.distance, light.sigma(), true};
+    return {light.position, 0.015f * light.distance, light.sigma(), true, Rgb(0), light.lobe};
 }
 
 void chooseBasis(const std::string& name, const std::filesystem::path& merl, SolveOptions& options) {
@@ -215,7 +215,7 @@ UnobservedLightSearch searchUnobservedLight(const Capture& capture, const Pipeli
     const Prepared p = prepare(capture, options, meter, progress, std::move(scene), std::move(samples));
     UnobservedLightOptions search;
     search.seed = options.solve.seed;
-    UnobservedLightSearch found = findUnobservedLight(capture, *p.scene, *p.samples, p.clusters, search, progress);
+    UnobservedLightSearch found = findUnobservedLights(capture, *p.scene, *p.samples, p.clusters, search, progress);
     logInfo("{}", found.words);
     return found;
 }
@@ -316,11 +316,10 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
     if (options.findLight) {
         meter.begin(Stage::unobservedLight);
         r.search = searchUnobservedLight(r.capture, options, progress);
-        if (r.search->light) {
-            const ProxyLight proxy = proxyOf(*r.search->light);
-            addProxies({proxy}, r.capture.mesh);
-            r.capture.proxies.push_back(proxy);
-        }
+        std::vector<ProxyLight> found;
+        for (const UnobservedLight& light : r.search->lights) found.push_back(proxyOf(light));
+        addProxies(found, r.capture.mesh);
+        r.capture.proxies.insert(r.capture.proxies.end(), found.begin(), found.end());
     }
     const std::optional<SolveCheckpoint> earlier = options.resume ? options.resume(r.capture) : std::nullopt;
     Prepared prepared = prepare(r.capture, options, meter, progress);
@@ -331,7 +330,8 @@ PipelineResult runPipeline(const std::filesystem::path& captureFolder, const Pip
                                {listener, earlier ? &*earlier : nullptr, {}});
     r.samples = std::move(prepared.samples);
     r.clusters = std::move(prepared.clusters);
-    if (r.search && !r.search->light) r.estimate.leftOut.push_back({Omission::unobservedLight, r.search->words});
+    if (r.search && r.search->lights.empty())
+        r.estimate.leftOut.push_back({Omission::unobservedLight, r.search->words});
     return r;
 }
 

@@ -47,8 +47,13 @@ ShapedEmission::ShapedEmission(const LightShaping& shaping, const Mat4& matrix, 
     if (!shaping.surfaceFile.empty() && flat) surface_ = shapingImageOf(shaping.surfaceFile);
 }
 
-ShapedEmission::ShapedEmission(std::shared_ptr<const EmissionPattern> pattern, const Mat4& matrix)
-    : toSurface_(glm::inverse(matrix)), pattern_(std::move(pattern)) {}
+ShapedEmission::ShapedEmission(std::shared_ptr<const EmissionPattern> pattern, const Mat4& matrix,
+                               const EmissionLobe& lobe, bool flat)
+    : toSurface_(glm::inverse(matrix)), flat_(flat), pattern_(std::move(pattern)) {
+    if (lobe.even()) return;
+    shaping_.focus = lobe.power;
+    toWorld_ = frameAround(-glm::normalize(Mat3(matrix) * lobe.axis));
+}
 
 Rgb ShapedEmission::byDirection(const Vec3& local) const {
     Rgb factor(1);

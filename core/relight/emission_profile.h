@@ -1,9 +1,11 @@
 // What leaves an emitter, by direction and place: the one function that frames and the viewport ask for emitted
 // radiance.
 #pragma once
+#include <array>
 #include <memory>
 
 #include "base/math.h"
+#include "capture/emission_lobe.h"
 #include "clusters/emission_pattern.h"
 #include "relight/light_shaping.h"
 #include "relight/shaping_files.h"
@@ -16,8 +18,10 @@ public:
     /// `matrix`, `size`: of the added emitter; `flat`: it has a front alone. Cost: files are read once and kept while
     /// they stay as they are. Throws Error naming a file that cannot be read.
     ShapedEmission(const LightShaping& shaping, const Mat4& matrix, const Vec2& size, bool flat);
-    /// A recovered emitter that shines unevenly, moved by `matrix`.
-    ShapedEmission(std::shared_ptr<const EmissionPattern> pattern, const Mat4& matrix);
+    /// A recovered emitter that shines unevenly over its surface (null: evenly) or by direction, moved by `matrix`.
+    /// `flat`: it has a front alone.
+    ShapedEmission(std::shared_ptr<const EmissionPattern> pattern, const Mat4& matrix, const EmissionLobe& lobe = {},
+                   bool flat = false);
 
     /// Radiance from `point` into the unit direction `away`, in parts of the light's level.
     Rgb factor(const Vec3& away, const Vec3& point) const;
@@ -36,6 +40,15 @@ public:
     Rgb mean() const;
     /// The unit direction it shines along.
     Vec3 axis() const { return -Vec3(toWorld_[2]); }
+    /// Unit columns: its own axes in the world; it shines along the last one's opposite.
+    const Mat3& axes() const { return toWorld_; }
+    const Vec3& middle() const { return middle_; }  ///< of a flat light
+    const Vec2& half() const { return half_; }      ///< half its sides, metres
+    /// What the coordinates of its surface image (u to the right, v up, 0.5 in the middle) gain a metre.
+    std::array<Vec3, 2> imageSlopes() const {
+        const Mat3 rows = glm::transpose(Mat3(toSurface_));
+        return {-rows[0] / size_.x, rows[1] / size_.y};
+    }
     const LightShaping& shaping() const { return shaping_; }
 
 private:

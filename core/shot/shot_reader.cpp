@@ -15,6 +15,20 @@ std::string text(const JsonFields& fields, const char* key, const std::string& f
     return fields.get<std::string>(key, fallback);
 }
 
+/// "lobe": how an emitter shines by direction; absent: evenly.
+EmissionLobe lobeOf(const JsonFields& emitter) {
+    const JsonFields f = emitter.object("lobe");
+    EmissionLobe lobe;
+    lobe.power = f.get("power", 0.0f);
+    if (!(lobe.power >= 0 && lobe.power <= 1000))
+        throw Error("{}: is {}, expected 0 to 1000", f.name("power"), lobe.power);
+    lobe.axis = f.get("axis", lobe.axis);
+    const float length = glm::length(lobe.axis);
+    if (!(length > 0)) throw Error("{}: is 0 0 0, expected a direction", f.name("axis"));
+    lobe.axis /= length;
+    return lobe;
+}
+
 void readEmitters(const JsonFields& document, Estimate& e, std::vector<DVec3>& centroids) {
     document.need("emitters");
     for (const JsonFields& f : document.list("emitters")) {
@@ -29,6 +43,7 @@ void readEmitters(const JsonFields& document, Estimate& e, std::vector<DVec3>& c
         c.area = f.get("area_m2", 0.0f);
         c.twoSided = f.get("two_sided", false);
         c.unobserved = f.get("unobserved", false);
+        c.lobe = lobeOf(f);
         c.positionSigma = f.get("position_stddev", Vec3(0));
         c.evidence.viewsSeen = f.get("views_seen", 0);
         c.evidence.clippedFraction = f.get("clipped_fraction", 0.0f);
@@ -244,7 +259,7 @@ CaptureFix captureFixOf(const JsonFields& object) {
     fix.photometric = photometricOf(object.object("photometric"));
     for (const JsonFields& p : object.list("proxy_lights"))
         fix.proxies.push_back({p.get<DVec3>("centre"), p.get("radius", 0.0f), p.get("sigma", Vec3(0)),
-                               p.get("found", false), glm::max(p.get("radiance", Rgb(0)), Rgb(0))});
+                               p.get("found", false), glm::max(p.get("radiance", Rgb(0)), Rgb(0)), lobeOf(p)});
     if (!fix.meshUp.empty()) withContext(object.name("mesh_up"), [&] { axisFromName(fix.meshUp); });
     if (!fix.mirror.empty()) withContext(object.name("mirror"), [&] { mirrorAxis(fix.mirror); });
     if (!fix.meshMirror.empty()) withContext(object.name("mesh_mirror"), [&] { mirrorAxis(fix.meshMirror); });

@@ -12,6 +12,7 @@ namespace fs = std::filesystem;
 
 Json toJson(const Rgb& c) { return {c.x, c.y, c.z}; }
 Json toJson(const DVec3& p) { return {p.x, p.y, p.z}; }
+Json toJson(const EmissionLobe& lobe) { return {{"axis", toJson(DVec3(lobe.axis))}, {"power", lobe.power}}; }
 
 Json evidenceJson(const EmitterEvidence& e) {
     return {{"scene_contrast", e.sceneContrast},
@@ -60,6 +61,7 @@ Json emittersJson(const Shot& shot) {
                {"clipped_fraction", c.evidence.clippedFraction},
                {"evidence", evidenceJson(c.evidence)}};
         if (!c.level.empty()) j["level_range"] = {quantileOf(c.level, 0.05), quantileOf(c.level, 0.95)};
+        if (!c.lobe.even()) j["lobe"] = toJson(c.lobe);
         if (c.unobserved) j["unobserved"] = true;
         if (c.positionSigma != Vec3(0)) j["position_stddev"] = toJson(c.positionSigma);
         if (i < e.emitterSigma.size()) j["radiance_stddev"] = toJson(e.emitterSigma[i]);
@@ -147,6 +149,7 @@ Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
         list.push_back(
             {{"centre", toJson(p.centre)}, {"radius", p.radius}, {"sigma", toJson(p.sigma)}, {"found", p.found}});
         if (p.observed()) list.back()["radiance"] = toJson(p.radiance);
+        if (!p.lobe.even()) list.back()["lobe"] = toJson(p.lobe);
     }
     return list;
 }

@@ -109,6 +109,7 @@ void fields(File& f, EmitterClusters& c) {
         f.plain(e.area);
         fields(f, e.evidence);
         list(f, e.level);
+        f.plain(e.lobe);
         list(f, e.inState);
     });
     listOf(f, c.rejected, [&](RejectedPatch& r) {

@@ -160,7 +160,8 @@ void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emit
                 glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
                 continue;
             const float areaDensity = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-            const float level = emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction);
+            const float level =
+                emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction, -rays[i].direction);
             row[leaves.size() + size_t(e)] += level * value / (areaDensity + density);
         }
         pending = 0;

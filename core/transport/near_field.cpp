@@ -12,6 +12,8 @@ EmitterSurface emitterSurface(const Mesh& mesh, const EmitterCluster& cluster, c
     s.twoSided = cluster.twoSided;
     s.pattern = cluster.pattern;
     if (s.pattern) s.toCaptured = glm::inverse(toWorld);
+    s.lobe = cluster.lobe;
+    if (!s.lobe.even()) s.lobe.axis = glm::normalize(Mat3(toWorld) * s.lobe.axis);
     const auto moved = [&](uint32_t v) { return Vec3(toWorld * Vec4(mesh.positions[v], 1)); };
     const bool mirrored = glm::determinant(Mat3(toWorld)) < 0;
     float sum = 0;
@@ -44,6 +46,7 @@ EmitterSurface orderedEmitterSurface(const Scene& scene, const EmitterCluster& c
     EmitterCluster ordered;
     ordered.twoSided = cluster.twoSided;
     ordered.pattern = cluster.pattern;
+    ordered.lobe = cluster.lobe;
     ordered.triangles = alongEmitter(scene.mesh, cluster.triangles, scene.axes);
     return emitterSurface(scene.mesh, ordered);
 }
@@ -194,7 +197,7 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         s.formFactor = d2 > 0 && fraction > 0 ? std::clamp(kernel / fraction, 0.25f, 4.0f) : 1.0f;
         weights += s.formFactor;
         s.direction = distance > 0 ? to / distance : normal;
-        s.level = emitter.levelAt(target);
+        s.level = emitter.levelAt(target, -s.direction);
         samples.push_back(s);
         rays[pending++] = {origin, s.direction, 0, std::max(0.0f, distance * (1 - 1e-4f) - back)};
         if (pending == 8) flush();

@@ -19,8 +19,11 @@ struct EmitterSurface {
     float radius = 0;                                     ///< of the sphere about the centroid that holds it
     std::shared_ptr<const EmissionPattern> pattern = {};  ///< null: it shines evenly
     Mat4 toCaptured{1};                                   ///< from the world to where the pattern was captured
-    /// Radiance from a point of the surface in parts of the emitter's.
-    float levelAt(const Vec3& point) const { return pattern ? pattern->at(Vec3(toCaptured * Vec4(point, 1))) : 1.0f; }
+    EmissionLobe lobe = {};                               ///< in the world
+    /// Radiance from a point of the surface into the unit direction `away`, in parts of the emitter's.
+    float levelAt(const Vec3& point, const Vec3& away) const {
+        return lobe.at(away) * (pattern ? pattern->at(Vec3(toCaptured * Vec4(point, 1))) : 1.0f);
+    }
     float area() const { return cumulativeArea.empty() ? 0 : cumulativeArea.back(); }
 };
 

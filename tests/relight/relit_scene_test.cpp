@@ -179,7 +179,7 @@ TEST(ApplyLook, AnUnevenEmitterAndItsCopyTakeTheirPatternAlong) {
     EXPECT_NEAR(sent(0, {0.1f, -0.8f, 0.5f}), 6, 0.3f);
     EXPECT_NEAR(sent(1, {0.8f, 0.1f, -1}), 1.4f, 0.03f);
     EXPECT_NEAR(sent(1, {-0.8f, 0.1f, -1}), 0.6f, 0.03f);
-    EXPECT_NEAR(relit.emitters[0].surface.levelAt({0, 0.8f, 0.5f}), 1.4f, 0.03f);
+    EXPECT_NEAR(relit.emitters[0].surface.levelAt({0, 0.8f, 0.5f}, {0, 0, -1}), 1.4f, 0.03f);
     EXPECT_EQ(relit.emitters[0].emission.shaped->mean(), Rgb(1));
 }
 

@@ -14,11 +14,15 @@ auto fieldsOf(EmitterEvidence& e) {
     auto& [a, b, c, d, g, h, i, j, k, l] = e;
     return std::tie(a, b, c, d, g, h, i, j, k, l);
 }
+auto fieldsOf(EmissionLobe& lobe) {
+    auto& [axis, power] = lobe;
+    return std::tie(axis, power);
+}
 auto fieldsOf(EmitterCluster& e) {
     auto& [id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal, area,
-           evidence, emission, pattern, inState] = e;
+           evidence, emission, pattern, lobe, inState] = e;
     return std::tie(id, vertices, triangles, radiance, sigma, twoSided, fitted, unobserved, position, centroid, normal,
-                    area, evidence, emission, inState);
+                    area, evidence, emission, lobe, inState);
 }
 auto fieldsOf(RejectedPatch& r) {
     auto& [centroid, radiance, evidence, reason, besideBall] = r;

@@ -64,8 +64,8 @@ TEST(UnobservedLight, AnEmitterThatNoPhotographShowsIsFoundWhereItStands) {
     PipelineOptions options;
     options.findLight = true;
     const PipelineResult found = world.solve(options), without = world.solve({});
-    ASSERT_TRUE(found.search && found.search->light) << found.search->words;
-    const UnobservedLight& light = *found.search->light;
+    ASSERT_TRUE(found.search && found.search->lights.size() == 1) << found.search->words;
+    const UnobservedLight& light = found.search->lights[0];
     const float off = glm::length(light.position - world.truth.emitterCentre);
     const DVec3 away(light.position - world.truth.emitterCentre);
     const double standard = std::sqrt(glm::dot(away, glm::inverse(light.covariance) * away));
@@ -102,7 +102,7 @@ TEST(UnobservedLight, NoneIsFoundWhereThereIsOnlySky) {
     options.onlyPlan = true;
     const PipelineResult r = world.solve(options);
     ASSERT_TRUE(r.search.has_value());
-    EXPECT_FALSE(r.search->light) << r.search->words;
+    EXPECT_TRUE(r.search->lights.empty()) << r.search->words;
     EXPECT_TRUE(r.capture.proxies.empty());
 }
 

@@ -84,7 +84,8 @@ std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vecto
                         glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
                         continue;
                     const float area = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-                    const float level = emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction);
+                    const float level =
+                        emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction, -rays[i].direction);
                     arriving.push_back({local[i], shines[size_t(e)] * (level * local[i].z / (area + drawn))});
                 }
                 pending = 0;

@@ -13,6 +13,9 @@ namespace {
 
 constexpr int coarseLevel = 2, finalLevel = 3;
 constexpr size_t refined = 6;
+/// A panel's intensity is a cosine; a spot's falls off faster.
+constexpr float lobePowers[] = {1, 4};
+constexpr double leastLobeGain = 0.02;  ///< fraction of the misfit by which one that shines to one side is better
 constexpr float farAway = 6;  ///< times the reach of the points: beyond, fall-off and parallax are lost in texture
 
 /// The middle of the points and how far they reach.
@@ -83,7 +86,7 @@ std::vector<size_t> bestPlaces(const std::vector<Vec3>& places, const std::vecto
     return best;
 }
 
-/// The best light without an unobserved light; the pairs' variances are taken from what it leaves.
+/// The best light without another one; the pairs' variances are taken from what it leaves.
 UnobservedLightFit fitted(UnobservedLightData& data) {
     const UnobservedLightFit first = fitUnobservedLight(data, nullptr, {}, 20);
     assessPairs(data, first);
@@ -98,124 +101,299 @@ std::string placeInWords(const Vec3& p, const DVec3& origin) {
     return fmt::format("{:.3f} {:.3f} {:.3f}", far.x, far.y, far.z);
 }
 
-}  // namespace
-
-UnobservedLightSearch findUnobservedLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                                          const EmitterClusters& clusters, const UnobservedLightOptions& options,
-                                          Progress& progress) {
-    UnobservedLightSearch search;
-    UnobservedLightData coarse =
-        unobservedLightData(scene, samples, clusters, coarseLevel, options.pairs, options.seed, progress);
-    if (coarse.pairs.size() < 200) {
-        search.words = "no unobserved light: too few matte points to tell";
-        return search;
+/// The search's data at three degrees of detail, and what was found so far.
+class LightSearch {
+public:
+    LightSearch(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                const EmitterClusters& clusters, const UnobservedLightOptions& options, Progress& progress)
+        : capture_(capture),
+          scene_(scene),
+          samples_(samples),
+          options_(options),
+          progress_(progress),
+          coarse_(unobservedLightData(scene, samples, clusters, coarseLevel, options.pairs, options.seed, progress)) {
+        if (tooFew()) return;
+        extent_ = extentOf(coarse_);
+        bright_ = 10 * float(medianOf(coarse_.radiance));
+        places_ = placesAround(extent_);
+        dense_ =
+            unobservedLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
+        fine_ =
+            unobservedLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
     }
-    const Extent extent = extentOf(coarse);
-    const float bright = 10 * float(medianOf(coarse.radiance));
+    bool tooFew() const { return coarse_.pairs.size() < 200; }
+    UnobservedLightSearch run();
 
-    const std::vector<Vec3> places = placesAround(extent);
-    std::vector<Vec3> distant;
-    std::optional<UnobservedLightFit> best;
-    UnobservedLightFit without;
-    // What is too far to have a place is a detail of the environment that their leaves are too coarse for: it joins
-    // them, and the search begins again.
-    for (size_t pass = 0; pass < 6 && !best; ++pass) {
-        without = fitted(coarse);
-        std::vector<double> misfit(places.size(), 1e301);
-        progress.begin("Looking for an unobserved light", places.size());
+private:
+    /// A light that is taken for real while others are looked for.
+    struct Likely {
+        Vec3 place{0};
+        EmissionLobe lobe{};
+        std::vector<Vec3> along;  ///< the best places at other distances
+        double gain = 0;          ///< fraction of the misfit that it explains, when it was found
+    };
+    /// How much one of them explains beside the others.
+    struct Judged {
+        UnobservedLightFit fit;
+        double without = 0, gain = 0, certainty = 0;
+    };
+    const Capture& capture_;
+    const Scene& scene_;
+    const RadianceSamples& samples_;
+    const UnobservedLightOptions& options_;
+    Progress& progress_;
+    UnobservedLightData coarse_, dense_, fine_;
+    Extent extent_;
+    float bright_ = 0;
+    std::vector<Vec3> places_, distant_;
+    double misfitAlone_ = 0;  ///< of the last search for a place
+
+    /// With the likely ones, but for one of them, among what is known.
+    UnobservedLightData with(const UnobservedLightData& base, const std::vector<Likely>& likely,
+                             size_t without = ~size_t(0)) const;
+    std::optional<UnobservedLightFit> bestPlace(const std::vector<Likely>& likely);
+    std::optional<Likely> next(const std::vector<Likely>& likely);
+    UnobservedLightFit atItsDistance(const UnobservedLightData& dense, const UnobservedLightFit& from, Likely& out);
+    UnobservedLightFit shinesOneWay(const UnobservedLightData& dense, const UnobservedLightFit& even);
+    Judged judged(const std::vector<Likely>& likely, size_t of) const;
+    UnobservedLight lightOf(const std::vector<Likely>& likely, size_t of, const Judged& judgement);
+    std::string wordsOf(const UnobservedLight& light, const Judged& judgement) const;
+};
+
+UnobservedLightData LightSearch::with(const UnobservedLightData& base, const std::vector<Likely>& likely,
+                                      size_t without) const {
+    UnobservedLightData data = base;
+    for (const Vec3& place : distant_) addKnownPlace(scene_, place, {}, data);
+    for (size_t i = 0; i < likely.size(); ++i)
+        if (i != without) addKnownPlace(scene_, likely[i].place, likely[i].lobe, data);
+    return data;
+}
+
+/// The best of places all around. What is too far to have a place is a detail of the environment that their leaves are
+/// too coarse for: it joins them, and the search begins again.
+std::optional<UnobservedLightFit> LightSearch::bestPlace(const std::vector<Likely>& likely) {
+    UnobservedLightData data = with(coarse_, likely);
+    for (size_t pass = 0; pass < 6; ++pass) {
+        const UnobservedLightFit without = fitted(data);
+        misfitAlone_ = without.misfit;
+        std::vector<double> misfit(places_.size(), 1e301);
+        progress_.begin("Looking for an unobserved light", places_.size());
         parallelFor(
-            places.size(), 8,
+            places_.size(), 8,
             [&](size_t i) {
-                if (seenEmpty(capture, samples, places[i], bright)) return;
-                const Eigen::VectorXd column = pointLightColumn(scene, coarse, places[i], 0);
+                if (seenEmpty(capture_, samples_, places_[i], bright_)) return;
+                const Eigen::VectorXd column = pointLightColumn(scene_, data, places_[i], 0);
                 if (!(column.sum() > 0)) return;
-                misfit[i] = fitUnobservedLight(coarse, &column, without.light, 5).misfit;
+                misfit[i] = fitUnobservedLight(data, &column, without.light, 5).misfit;
             },
-            &progress);
-        const auto likely = bestPlaces(places, misfit, extent.middle);
-        progress.begin("Following the shadows of an unobserved light", likely.size());
-        for (size_t i : likely) {
-            progress.advance();
+            &progress_);
+        const auto candidates = bestPlaces(places_, misfit, extent_.middle);
+        progress_.begin("Following the shadows of an unobserved light", candidates.size());
+        std::optional<UnobservedLightFit> best;
+        for (size_t i : candidates) {
+            progress_.advance();
             UnobservedLightFit fit =
-                searchAround(scene, coarse, places[i], extent.middle, without.light, 0.2f, 0.02f, false, progress);
-            if (seenEmpty(capture, samples, fit.place, bright)) continue;
+                searchAround(scene_, data, places_[i], extent_.middle, without.light, 0.2f, 0.02f, false, progress_);
+            if (seenEmpty(capture_, samples_, fit.place, bright_)) continue;
             if (!best || fit.misfit < best->misfit) best = std::move(fit);
         }
-        if (!best) break;
+        if (!best) return best;
         logInfo("unobserved light? at {}: misfit {:.4f}, without {:.4f}", placeInWords(best->place), best->misfit,
                 without.misfit);
-        if (glm::length(best->place - extent.middle) < farAway * extent.radius) continue;
-        if (best->misfit > 0.97 * without.misfit) {
-            best.reset();
-            break;
-        }
-        distant.push_back(best->place);
-        addKnownPlace(scene, best->place, coarse);
-        best.reset();
+        if (glm::length(best->place - extent_.middle) < farAway * extent_.radius) return best;
+        if (best->misfit > 0.97 * without.misfit) return std::nullopt;
+        distant_.push_back(best->place);
+        addKnownPlace(scene_, best->place, {}, data);
     }
-    if (!best) {
-        search.misfitWithout = search.misfitWith = without.misfit;
-        search.words = distant.empty() ? "no unobserved light: every place for one is in view and dark"
-                                       : "no unobserved light: what the environment leaves unexplained comes from afar";
-        return search;
-    }
-    // How far it is, is known worst: at every distance the best direction, by many more points, because shadows' edges
-    // tell it.
-    UnobservedLightData dense =
-        unobservedLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
-    for (const Vec3& place : distant) addKnownPlace(scene, place, dense);
-    fitted(dense);
-    std::vector<Vec3> along;
+    return std::nullopt;
+}
+
+/// How far it is, is known worst: at every distance the best direction, by many more points, because shadows' edges
+/// tell it.
+UnobservedLightFit LightSearch::atItsDistance(const UnobservedLightData& dense, const UnobservedLightFit& from,
+                                              Likely& out) {
     UnobservedLightFit nearest;
     nearest.misfit = 1e300;
-    progress.begin("How far the unobserved light is", 13);
+    progress_.begin("How far the unobserved light is", 13);
     for (int k = -6; k <= 6; ++k) {
-        progress.advance();
-        const Vec3 place = extent.middle + std::exp(0.08f * float(k)) * (best->place - extent.middle);
+        progress_.advance();
+        const Vec3 place = extent_.middle + std::exp(0.08f * float(k)) * (from.place - extent_.middle);
         UnobservedLightFit fit =
-            searchAround(scene, dense, place, extent.middle, best->light, 0.03f, 0.003f, true, progress);
-        along.push_back(fit.place);
+            searchAround(scene_, dense, place, extent_.middle, from.light, 0.03f, 0.003f, true, progress_);
+        out.along.push_back(fit.place);
         if (fit.misfit < nearest.misfit) nearest = std::move(fit);
     }
-    *best = searchAround(scene, dense, nearest.place, extent.middle, nearest.light, 0.02f, 0.003f, false, progress);
-    const UnobservedLightFit polished = refineUnobservedLight(scene, dense, best->place, best->light, 20, progress);
-    if (polished.misfit < best->misfit) *best = polished;
-    progress.begin("How sure its place is", 1);
-    const glm::dmat3 covariance = positionCovariance(scene, dense, extent.middle, along, options.seed, *best, progress);
+    UnobservedLightFit best =
+        searchAround(scene_, dense, nearest.place, extent_.middle, nearest.light, 0.02f, 0.003f, false, progress_);
+    UnobservedLightFit polished = refineUnobservedLight(scene_, dense, best.place, best.light, 20, progress_);
+    return polished.misfit < best.misfit ? polished : best;
+}
 
-    // Would finer environment do as well?
-    UnobservedLightData fine =
-        unobservedLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
-    for (const Vec3& place : distant) addKnownPlace(scene, place, fine);
-    const UnobservedLightFit fineWithout = fitted(fine);
-    const Eigen::VectorXd column = pointLightColumn(scene, fine, best->place, 8);
-    const UnobservedLightFit fineWith = fitUnobservedLight(fine, &column, fineWithout.light, 20);
-    search.misfitWithout = fineWithout.misfit;
-    search.misfitWith = fineWith.misfit;
-    search.certainty = gainCertainty(fine, fineWithout, fineWith);
-    const double gain = 1 - search.misfitWith / std::max(search.misfitWithout, 1e-300);
+/// The same light as one whose radiance is a power of the cosine to an axis, where that explains clearly more. It
+/// stands elsewhere then: one that faces the scene seems nearer while it is taken to shine alike in all directions.
+UnobservedLightFit LightSearch::shinesOneWay(const UnobservedLightData& dense, const UnobservedLightFit& even) {
+    UnobservedLightFit best = even;
+    double least = even.misfit;
+    progress_.begin("Which way the unobserved light shines", std::size(lobePowers));
+    for (const float power : lobePowers) {
+        progress_.advance();
+        UnobservedLightFit fit = aimedLight(scene_, dense, even.place, power, even.light.head(dense.rows.cols()));
+        if (!(fit.misfit < 1e300)) continue;
+        for (const float reach : {0.15f, 0.06f, 0.02f}) {
+            fit = searchAround(scene_, dense, fit.place, extent_.middle, fit.light, reach, reach / 6, false, progress_,
+                               fit.lobe);
+            UnobservedLightFit aimed = aimedLight(scene_, dense, fit.place, power, fit.light.head(dense.rows.cols()));
+            if (aimed.misfit < fit.misfit) fit = std::move(aimed);
+        }
+        logInfo("unobserved light with a cosine to the power of {:g}: at {}, misfit {:.4f}, even {:.4f}", power,
+                placeInWords(fit.place), fit.misfit, even.misfit);
+        if (seenEmpty(capture_, samples_, fit.place, bright_)) continue;
+        const bool clearly = fit.misfit < (1 - leastLobeGain) * even.misfit && gainCertainty(dense, even, fit) > 2;
+        if (clearly && fit.misfit < least) {
+            least = fit.misfit;
+            best = std::move(fit);
+        }
+    }
+    return best;
+}
+
+std::optional<LightSearch::Likely> LightSearch::next(const std::vector<Likely>& likely) {
+    const std::optional<UnobservedLightFit> place = bestPlace(likely);
+    if (!place) return std::nullopt;
+    UnobservedLightData dense = with(dense_, likely);
+    const UnobservedLightFit without = fitted(dense);
+    Likely out;
+    const UnobservedLightFit found = shinesOneWay(dense, atItsDistance(dense, *place, out));
+    out.place = found.place;
+    out.lobe = found.lobe;
+    out.gain = 1 - found.misfit / std::max(without.misfit, 1e-300);
+    return out;
+}
+
+/// Would finer environment do as well?
+LightSearch::Judged LightSearch::judged(const std::vector<Likely>& likely, size_t of) const {
+    UnobservedLightData data = with(fine_, likely, of);
+    const UnobservedLightFit without = fitted(data);
+    const Eigen::VectorXd column = pointLightColumn(scene_, data, likely[of].place, 8, likely[of].lobe);
+    Judged out;
+    out.fit = fitUnobservedLight(data, &column, without.light, 20);
+    out.without = without.misfit;
+    out.gain = 1 - out.fit.misfit / std::max(without.misfit, 1e-300);
+    out.certainty = gainCertainty(data, without, out.fit);
+    return out;
+}
+
+UnobservedLight LightSearch::lightOf(const std::vector<Likely>& likely, size_t of, const Judged& judgement) {
+    UnobservedLightData dense = with(dense_, likely, of);
+    const UnobservedLightFit without = fitted(dense);
+    const Eigen::VectorXd column = pointLightColumn(scene_, dense, likely[of].place, 8, likely[of].lobe);
+    UnobservedLightFit best = fitUnobservedLight(dense, &column, without.light, 6);
+    best.place = likely[of].place;
+    best.lobe = likely[of].lobe;
+    progress_.begin("How sure its place is", 1);
     UnobservedLight light;
-    light.position = best->place;
-    light.covariance = covariance;
-    light.fraction = float(fineWith.fraction);
-    const Vec3 away = light.position - extent.middle;
+    light.covariance =
+        positionCovariance(scene_, dense, extent_.middle, likely[of].along, options_.seed, best, progress_);
+    light.position = best.place;
+    light.lobe = best.lobe;
+    light.fraction = float(judgement.fit.fraction);
+    const Vec3 away = light.position - extent_.middle;
     light.distance = glm::length(away);
     const DVec3 outward(away / light.distance);
     light.distanceSigma = float(std::sqrt(glm::dot(outward, light.covariance * outward))) / light.distance;
-    const std::string what = fmt::format(
-        "at {} (+- {}) m, {:.0f} % of the light; it lowers the misfit of shading by {:.0f} % ({:.1f} standard errors)",
-        placeInWords(light.position, capture.origin), placeInWords(light.sigma()), 100 * light.fraction, 100 * gain,
-        search.certainty);
-    if (gain < double(options.leastGain) || search.certainty < 2 || light.fraction < options.leastFraction)
-        search.words = "no unobserved light: the likeliest one is " + what + ", which is too little to go by";
-    else if (!(light.distanceSigma < 0.5f))
-        search.words =
-            "no unobserved light: the likeliest one is " + what + ", too far to be told from the environment";
-    else {
-        search.words = "an unobserved light " + what;
-        search.light = light;
+    light.certainty = judgement.certainty;
+    return light;
+}
+
+std::string LightSearch::wordsOf(const UnobservedLight& light, const Judged& judgement) const {
+    return fmt::format(
+        "at {} (+- {}) m, {:.0f} % of the light{}; it lowers the misfit of shading by {:.0f} % ({:.1f} standard "
+        "errors)",
+        placeInWords(light.position, capture_.origin), placeInWords(light.sigma()), 100 * light.fraction,
+        light.lobe.even() ? std::string()
+                          : fmt::format(", towards {} (half as bright {:.0f} degrees aside)",
+                                        placeInWords(light.lobe.axis), light.lobe.halfDegrees()),
+        100 * judgement.gain, judgement.certainty);
+}
+
+UnobservedLightSearch LightSearch::run() {
+    UnobservedLightSearch search;
+    std::vector<Likely> likely;
+    while (likely.size() < options_.most) {
+        const std::optional<Likely> one = next(likely);
+        if (likely.empty()) search.misfitWithout = search.misfitWith = misfitAlone_;
+        if (!one || (!likely.empty() && one->gain < double(options_.leastOwnGain))) break;
+        likely.push_back(*one);
+        if (one->gain < double(options_.leastOwnGain)) break;
     }
+    if (likely.empty()) {
+        search.words = distant_.empty()
+                           ? "no unobserved light: every place for one is in view and dark"
+                           : "no unobserved light: what the environment leaves unexplained comes from afar";
+        return search;
+    }
+    // With the others known, each stands elsewhere than it seemed while it had to explain their light too.
+    for (size_t i = 0; likely.size() > 1 && i < likely.size(); ++i) {
+        UnobservedLightData dense = with(dense_, likely, i);
+        const UnobservedLightFit without = fitted(dense);
+        likely[i].place = searchAround(scene_, dense, likely[i].place, extent_.middle, without.light, 0.08f, 0.004f,
+                                       false, progress_, likely[i].lobe)
+                              .place;
+    }
+    // Those that the others explain as well go, the least certain first.
+    std::vector<Judged> judgements;
+    for (;;) {
+        judgements.clear();
+        for (size_t i = 0; i < likely.size(); ++i) judgements.push_back(judged(likely, i));
+        const auto worst = std::min_element(judgements.begin(), judgements.end(),
+                                            [](const Judged& a, const Judged& b) { return a.certainty < b.certainty; });
+        const bool real = worst->certainty >= 2 && worst->gain >= double(options_.leastOwnGain) &&
+                          worst->fit.fraction >= double(options_.leastFraction) / double(likely.size());
+        if (likely.size() == 1 || real) break;
+        logInfo("unobserved light at {}: {:.1f} standard errors beside the others, left out",
+                placeInWords(likely[size_t(worst - judgements.begin())].place), worst->certainty);
+        likely.erase(likely.begin() + (worst - judgements.begin()));
+    }
+    UnobservedLightData bare = with(fine_, {});
+    search.misfitWithout = fitted(bare).misfit;
+    search.misfitWith = judgements[0].fit.misfit;
+    const double whole = 1 - search.misfitWith / std::max(search.misfitWithout, 1e-300);
+    std::string words;
+    for (size_t i = 0; i < likely.size(); ++i) {
+        const UnobservedLight light = lightOf(likely, i, judgements[i]);
+        const std::string what = wordsOf(light, judgements[i]);
+        const bool alone = likely.size() == 1;
+        search.certainty = std::max(search.certainty, judgements[i].certainty);
+        if ((alone && (judgements[i].gain < double(options_.leastGain) || judgements[i].certainty < 2 ||
+                       light.fraction < options_.leastFraction)) ||
+            whole < double(options_.leastGain))
+            search.words = "no unobserved light: the likeliest one is " + what + ", which is too little to go by";
+        else if (!(light.distanceSigma < 0.5f))
+            search.words =
+                "no unobserved light: the likeliest one is " + what + ", too far to be told from the environment";
+        else {
+            words += (words.empty() ? "" : "; another ") + what;
+            search.lights.push_back(light);
+        }
+    }
+    if (search.lights.size() == 1) search.words = "an unobserved light " + words;
+    if (search.lights.size() > 1)
+        search.words = fmt::format("{} unobserved lights, one {}", search.lights.size(), words);
     return search;
+}
+
+}  // namespace
+
+UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                           const EmitterClusters& clusters, const UnobservedLightOptions& options,
+                                           Progress& progress) {
+    LightSearch search(capture, scene, samples, clusters, options, progress);
+    if (search.tooFew()) {
+        UnobservedLightSearch nothing;
+        nothing.words = "no unobserved light: too few matte points to tell";
+        return nothing;
+    }
+    return search.run();
 }
 
 }  // namespace relamp

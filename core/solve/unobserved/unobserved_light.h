@@ -1,5 +1,5 @@
-// An emitter that no photograph shows and no mesh holds, found by what it does: shading that falls off with distance,
-// and shadows.
+// Emitters that no photograph shows and no mesh holds, found by what they do: shading that falls off with distance, and
+// shadows.
 #pragma once
 #include <optional>
 #include <string>
@@ -16,8 +16,10 @@ struct UnobservedLightOptions {
     uint64_t seed = 1;
     size_t pairs = 5000;          ///< of points of probably equal albedo, looked at while places are compared
     size_t finalPairs = 20000;    ///< and for the answer
-    float leastGain = 0.05f;      ///< fraction of the misfit that an emitter must explain to be taken for real
-    float leastFraction = 0.05f;  ///< of the light on the surfaces that it must give
+    float leastGain = 0.05f;      ///< fraction of the misfit that emitters must explain to be taken for real
+    float leastOwnGain = 0.02f;   ///< and each of several beside the others
+    float leastFraction = 0.05f;  ///< of the light on the surfaces that one must give, of n a fraction of 1 / n of it
+    size_t most = 6;              ///< emitters
 };
 
 struct UnobservedLight {
@@ -29,12 +31,14 @@ struct UnobservedLight {
     float distance = 0;       ///< metres, from the middle of the points it lights
     float distanceSigma = 0;  ///< standard deviation of ln distance
     float fraction = 0;       ///< of the light on the surfaces
+    EmissionLobe lobe{};      ///< where it shines to one side
+    double certainty = 0;  ///< what it explains beside the others, in standard errors counted over parts of the scene
 };
 
 struct UnobservedLightSearch {
-    std::optional<UnobservedLight> light;
+    std::vector<UnobservedLight> lights;
     double misfitWithout = 0, misfitWith = 0;  ///< mean robust misfit of the pairs, in variances
-    double certainty = 0;                      ///< the gain in standard errors, counted over parts of the scene
+    double certainty = 0;                      ///< of the surest one
     std::string words;                         ///< what was found, or why nothing was
 };
 
@@ -42,13 +46,14 @@ struct UnobservedLightSearch {
 /// ratios of radiance between points of probably equal albedo, as solveAlbedoFree does, so that albedo plays no part. A
 /// point emitter is tried at some 1500 places around and in the scene, at each with its power and all other light
 /// solved for; the best places are improved by trying others around them, because a shadow's edge moves in jumps, and
-/// then by Gauss-Newton on position and light together, shadows traced anew at every step. The covariance is a
-/// bootstrap over parts of the scene (boxes of a fifth of its extent), because neighbouring points err alike. Places
-/// that a photograph shows to be empty are left out. Light from too far away to have a place joins the environment. The
-/// emitter is taken to shine alike in all directions: a panel that faces the scene seems nearer (by a tenth of its
-/// distance in a test), which the covariance does not hold. Cost: 5 to 40 s of CPU. Throws Cancelled.
-UnobservedLightSearch findUnobservedLight(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                                          const EmitterClusters& clusters, const UnobservedLightOptions& options,
-                                          Progress& progress);
+/// then by Gauss-Newton on position and light together, shadows traced anew at every step. Then it is tried as one
+/// whose radiance is a power of the cosine to an axis. Further emitters are looked for with those found among what is
+/// known, while they explain more; then each moves to where it is best beside the others, and those that the others
+/// explain as well are dropped. The covariance is a bootstrap over parts of the scene (boxes of a fifth of its extent),
+/// because neighbouring points err alike. Places that a photograph shows to be empty are left out. Light from too far
+/// away to have a place joins the environment. Cost: 10 to 60 s of CPU an emitter. Throws Cancelled.
+UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                           const EmitterClusters& clusters, const UnobservedLightOptions& options,
+                                           Progress& progress);
 
 }  // namespace relamp

@@ -162,7 +162,8 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
     return data;
 }
 
-Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& data, const Vec3& place, int rays) {
+Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& data, const Vec3& place, int rays,
+                                 const EmissionLobe& lobe) {
     const size_t n = data.positions.size();
     Eigen::VectorXd column = Eigen::VectorXd::Zero(Eigen::Index(n));
     // Only ratios count, so the unit is free. Nearer than a hundredth of the scene nothing grows brighter.
@@ -171,7 +172,8 @@ Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& 
         const Vec3 to = place - data.positions[i];
         const double d2 = std::max(double(glm::dot(to, to)), nearest * nearest),
                      cosine = double(glm::dot(to, data.normals[i])) / std::sqrt(d2);
-        if (!(cosine > 0)) continue;
+        const double sent = double(lobe.at(-to / float(std::sqrt(d2))));
+        if (!(cosine > 0 && sent > 0)) continue;
         const Vec3 origin = rayOrigin(scene, data.positions[i], data.normals[i]);
         float open = 0;
         if (rays == 0) {
@@ -194,7 +196,7 @@ Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& 
             const uint32_t blocked = scene.tracer->occluded8({bundle, size_t(count)});
             for (int k = 0; k < count; ++k) open += blocked >> k & 1 ? 0.0f : 1.0f / float(count);
         }
-        column(Eigen::Index(i)) = unit * double(open) * cosine / d2;
+        column(Eigen::Index(i)) = unit * double(open) * sent * cosine / d2;
     }
     return column;
 }

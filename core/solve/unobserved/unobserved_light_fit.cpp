@@ -122,6 +122,11 @@ Eigen::MatrixXd withColumn(const UnobservedLightData& data, const Eigen::VectorX
     return columns;
 }
 
+/// What the light of a fit gives the points.
+Eigen::VectorXd litBy(const UnobservedLightData& data, const UnobservedLightFit& fit) {
+    return withColumn(data, fit.column.size() ? &fit.column : nullptr) * fit.light;
+}
+
 /// The light a fit with an emitter more starts from: three tenths of what lights the points on average come from the
 /// emitter.
 Eigen::VectorXd startWith(const UnobservedLightData& data, const Eigen::VectorXd& column,
@@ -132,10 +137,71 @@ Eigen::VectorXd startWith(const UnobservedLightData& data, const Eigen::VectorXd
     return x;
 }
 
+/// Improves x; its last `signedOnes` unknowns may be negative.
+void descend(const UnobservedLightData& data, const LightPrior& prior, const Eigen::MatrixXd& columns,
+             Eigen::Index signedOnes, int iterations, Eigen::VectorXd& x) {
+    const auto objective = [&](const Eigen::VectorXd& light) {
+        return sumOf(misfits(data, columns * light)) + prior.value(light, 0);
+    };
+    double value = objective(x);
+    for (int i = 0; i < iterations; ++i) {
+        const Linear l = linearise(data, columns, columns * x);
+        UnobservedLightProgram p = programOf(data, prior, l, columns, x);
+        p.lower.tail(signedOnes).setConstant(-1e3 * x.cwiseAbs().maxCoeff());
+        const QpResult solution = solveBoundedQp(p.q, p.moment, p.lower, &x);
+        if (!solution.usable) break;
+        bool better = false;
+        const double before = value;
+        for (double step = 1; step > 0.05 && !better; step *= 0.5) {
+            const Eigen::VectorXd trial = x + step * (solution.x - x);
+            const double there = objective(trial);
+            if (!(there < value)) continue;
+            better = true;
+            value = there;
+            x = trial;
+        }
+        if (!better || value > before * (1 - 1e-4)) break;
+    }
+}
+
+/// Unit directions from `place` to the points.
+std::vector<Vec3> directionsFrom(const UnobservedLightData& data, const Vec3& place) {
+    std::vector<Vec3> away;
+    away.reserve(data.positions.size());
+    for (const Vec3& p : data.positions) {
+        const float length = glm::length(p - place);
+        away.push_back(length > 0 ? (p - place) / length : Vec3(0, 0, -1));
+    }
+    return away;
+}
+
+/// The axis of a light of power 1, from a fit with a vector for its intensity: what leaves into a direction is its
+/// product with that.
+Vec3 linearAxis(const UnobservedLightData& data, const Eigen::VectorXd& even, const std::vector<Vec3>& away,
+                const UnobservedLightFit& from) {
+    const Eigen::Index known = data.rows.cols(), points = data.rows.rows();
+    Eigen::MatrixXd columns(points, known + 3);
+    columns.leftCols(known) = data.rows;
+    DVec3 mean(0);
+    for (Eigen::Index i = 0; i < points; ++i) {
+        const DVec3 to(away[size_t(i)]);
+        for (int c = 0; c < 3; ++c) columns(i, known + c) = even(i) * to[c];
+        mean += even(i) * to;
+    }
+    const double length = glm::length(mean);
+    if (!(length > 0)) return Vec3(0, 0, -1);
+    Eigen::VectorXd x(known + 3);
+    x.head(known) = from.light.head(known);
+    for (int c = 0; c < 3; ++c) x(known + c) = from.light(known) * mean[c] / length;
+    descend(data, LightPrior(data.leaves, data.anchors, data.prior), columns, 3, 8, x);
+    const DVec3 axis(x(known), x(known + 1), x(known + 2));
+    return Vec3(glm::length(axis) > 0 ? glm::normalize(axis) : mean / length);
+}
+
 }  // namespace
 
-void addKnownPlace(const Scene& scene, const Vec3& place, UnobservedLightData& data) {
-    const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+void addKnownPlace(const Scene& scene, const Vec3& place, const EmissionLobe& lobe, UnobservedLightData& data) {
+    const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, lobe);
     const Eigen::VectorXd start = startWith(data, column, data.start);
     data.rows = withColumn(data, &column);
     data.start = start;
@@ -145,7 +211,7 @@ void addKnownPlace(const Scene& scene, const Vec3& place, UnobservedLightData& d
 }
 
 void assessPairs(UnobservedLightData& data, const UnobservedLightFit& fit) {
-    const Eigen::VectorXd lit = withColumn(data, fit.column.size() ? &fit.column : nullptr) * fit.light;
+    const Eigen::VectorXd lit = litBy(data, fit);
     constexpr uint32_t everywhere = ~0u;
     std::map<uint32_t, std::vector<double>> over;
     for (size_t k = 0; k < data.pairs.size(); ++k) {
@@ -176,27 +242,7 @@ UnobservedLightFit fitUnobservedLight(const UnobservedLightData& data, const Eig
     Eigen::VectorXd x = start.size() == 0 ? data.start : start;
     if (column && x.size() == data.rows.cols()) x = startWith(data, *column, x);
     const double weight = weightOf(data);
-    const auto objective = [&](const Eigen::VectorXd& light) {
-        return sumOf(misfits(data, columns * light)) + prior.value(light, 0);
-    };
-    double value = objective(x);
-    for (int i = 0; i < iterations; ++i) {
-        const Linear l = linearise(data, columns, columns * x);
-        const UnobservedLightProgram p = programOf(data, prior, l, columns, x);
-        const QpResult solution = solveBoundedQp(p.q, p.moment, p.lower, &x);
-        if (!solution.usable) break;
-        bool better = false;
-        const double before = value;
-        for (double step = 1; step > 0.05 && !better; step *= 0.5) {
-            const Eigen::VectorXd trial = x + step * (solution.x - x);
-            const double there = objective(trial);
-            if (!(there < value)) continue;
-            better = true;
-            value = there;
-            x = trial;
-        }
-        if (!better || value > before * (1 - 1e-4)) break;
-    }
+    descend(data, prior, columns, 0, iterations, x);
     const Eigen::VectorXd lit = columns * x;
     fit.misfit = sumOf(misfits(data, lit)) / weight;
     if (column) {
@@ -210,13 +256,14 @@ UnobservedLightFit fitUnobservedLight(const UnobservedLightData& data, const Eig
 
 UnobservedLightFit searchAround(const Scene& scene, const UnobservedLightData& data, const Vec3& first,
                                 const Vec3& middle, const Eigen::VectorXd& start, float reach, float least,
-                                bool sideways, Progress& progress) {
+                                bool sideways, Progress& progress, const EmissionLobe& lobe) {
     const auto fitAt = [&](const Vec3& place, const Eigen::VectorXd& from) {
-        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, lobe);
         UnobservedLightFit fit;
         fit.misfit = 1e300;
         if (column.sum() > 0) fit = fitUnobservedLight(data, &column, from, 4);
         fit.place = place;
+        fit.lobe = lobe;
         return fit;
     };
     UnobservedLightFit best = fitAt(first, start);
@@ -236,6 +283,40 @@ UnobservedLightFit searchAround(const Scene& scene, const UnobservedLightData& d
             const Vec3 aside = away + step * distance * (frame * Vec3(d.x, d.y, 0));
             tries[i] = fitAt(middle + std::exp(step * d.z) * distance / glm::length(aside) * aside,
                              best.light.size() ? best.light : start);
+        });
+        const auto bestTry = std::min_element(
+            tries.begin(), tries.end(),
+            [](const UnobservedLightFit& a, const UnobservedLightFit& b) { return a.misfit < b.misfit; });
+        if (bestTry->misfit < best.misfit * (1 - 1e-4)) best = std::move(*bestTry);
+        else step *= 0.5f;
+    }
+    return best;
+}
+
+UnobservedLightFit aimedLight(const Scene& scene, const UnobservedLightData& data, const Vec3& place, float power,
+                              const Eigen::VectorXd& start) {
+    const Eigen::VectorXd even = pointLightColumn(scene, data, place, 8);
+    const std::vector<Vec3> away = directionsFrom(data, place);
+    const auto fitFor = [&](const Vec3& axis, const Eigen::VectorXd& from) {
+        const EmissionLobe lobe{axis, power};
+        Eigen::VectorXd column = even;
+        for (Eigen::Index i = 0; i < column.size(); ++i) column(i) *= double(lobe.at(away[size_t(i)]));
+        UnobservedLightFit fit;
+        fit.misfit = 1e300;
+        if (column.sum() > 0) fit = fitUnobservedLight(data, &column, from, 4);
+        fit.place = place;
+        fit.lobe = lobe;
+        return fit;
+    };
+    const UnobservedLightFit first = fitUnobservedLight(data, &even, start, 4);
+    UnobservedLightFit best = fitFor(linearAxis(data, even, away, first), first.light.head(data.rows.cols()));
+    for (float step = 0.4f; step > 0.04f && best.misfit < 1e300;) {
+        const Mat3 frame = frameAround(best.lobe.axis);
+        std::vector<UnobservedLightFit> tries(6);
+        parallelFor(tries.size(), 1, [&](size_t i) {
+            const float turn = float(i) * pi / 3;
+            const Vec3 aside = frame * Vec3(std::cos(turn), std::sin(turn), 0);
+            tries[i] = fitFor(glm::normalize(best.lobe.axis + step * aside), best.light);
         });
         const auto bestTry = std::min_element(
             tries.begin(), tries.end(),
@@ -322,10 +403,11 @@ glm::dmat3 positionCovariance(const Scene& scene, const UnobservedLightData& dat
             const Vec3 d = reach * Vec3(normal(3 * i), normal(3 * i + 1), normal(3 * i + 2));
             const Vec3 place = i < around ? middle + std::exp(d.z) * (away + distance * (frame * Vec3(d.x, d.y, 0)))
                                           : more[i - around];
-            const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8);
+            const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, best.lobe);
             if (!(column.sum() > 0)) return;
             tries[i] = fitUnobservedLight(data, &column, best.light, 4);
             tries[i].place = place;
+            tries[i].lobe = best.lobe;
             lost[i] = partsOf(data, misfits(data, withColumn(data, &column) * tries[i].light));
         },
         &progress);
@@ -358,8 +440,7 @@ glm::dmat3 positionCovariance(const Scene& scene, const UnobservedLightData& dat
 
 double gainCertainty(const UnobservedLightData& data, const UnobservedLightFit& without,
                      const UnobservedLightFit& with) {
-    const std::vector<double> before = misfits(data, data.rows * without.light),
-                              after = misfits(data, withColumn(data, &with.column) * with.light);
+    const std::vector<double> before = misfits(data, litBy(data, without)), after = misfits(data, litBy(data, with));
     std::vector<double> difference(before.size());
     for (size_t k = 0; k < before.size(); ++k) difference[k] = before[k] - after[k];
     const std::vector<double> gain = partsOf(data, difference);
