@@ -8,6 +8,7 @@
 #include "base/is_there.h"
 #include "base/local_time.h"
 #include "base/log.h"
+#include "edit/link_edits.h"
 #include "edit/look_keys.h"
 #include "editor_impl.h"
 #include "interrupted.h"
@@ -31,6 +32,8 @@ Look lookThatFits(const Look& look, const Estimate& estimate, size_t vertices) {
                    (geometry == EmitterShapeInfo::Geometry::component && e.seedVertex >= vertices);
         });
         std::erase_if(one.parts, [&](const PartLook& p) { return p.seedVertex >= vertices; });
+        for (EmitterLook& e : one.emitters) e.link = linkThatFits(e.link, vertices);
+        for (AddedEmitter& e : one.added) e.link = linkThatFits(e.link, vertices);
         dropMembers(one.groups, [&](const std::string& id) {
             return !known(id) &&
                    std::none_of(one.added.begin(), one.added.end(), [&](const AddedEmitter& e) { return e.id == id; });

@@ -70,7 +70,7 @@ struct LightBrushState {
     bool environment = false;  ///< it may change too
 };
 /// What a click in the viewport means once: armed by a button of the inspector, Esc disarms.
-enum class ClickTask { none, aim, reflect, illuminate, attach, newPart, takeColour, region };
+enum class ClickTask { none, aim, reflect, illuminate, attach, leaveOut, lightOnly, newPart, takeColour, region };
 
 struct ViewportState {
     ViewMode mode = ViewMode::relit;
@@ -207,7 +207,7 @@ struct ExportRequest {
     LayerNaming naming = LayerNaming::blender;
     bool multipart = false;
     std::optional<DisplayView> view{};  ///< of PNG and JPEG; none: view transform and exposure of the viewport
-    int width = 0, height = 0;                            ///< 0: the view's own size, or the viewport's
+    int width = 0, height = 0;          ///< 0: the view's own size, or the viewport's
     int samples = 8, plateSamples = defaultPlateSamples;  ///< a pixel; of a plate its own
     bool denoise = true;
     PlateUnsure unsure = PlateUnsure::model;  ///< of a plate

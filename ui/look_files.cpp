@@ -8,6 +8,7 @@
 #include "base/is_there.h"
 #include "base/json_fields.h"
 #include "editor_impl.h"
+#include "relight/shaping_files.h"
 #include "settings.h"
 
 namespace relamp::ui {
@@ -82,8 +83,9 @@ LookHere lookHere(const Look& look, const Estimate& estimate, size_t vertices) {
             environment.file.clear();
         }
         for (AddedEmitter& light : one.added)
-            for (fs::path* file : {&light.shaping.iesFile, &light.shaping.goboFile, &light.shaping.surfaceFile})
-                if (!file->empty() && !isThere(*file)) lacking.say("the file " + file->string()), file->clear();
+            for (const ShapingFile which : shapingFiles)
+                if (fs::path& file = light.shaping.*which; !file.empty() && !isThere(file))
+                    lacking.say("the file " + file.string()), file.clear();
     });
     if (look.plate) lacking.say("its plate (Import plate, in the File menu)");
     here.look.plate.reset();

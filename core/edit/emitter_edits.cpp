@@ -34,7 +34,7 @@ int clusterIndex(const Estimate& estimate, const std::string& id) {
 }
 
 bool nothingChanged(const EmitterLook& e) {
-    return e.enabled && e.shadows && e.matrix == Mat4(1) && e.powerScale == Rgb(1);
+    return e.enabled && e.shadows && e.link.everything() && e.matrix == Mat4(1) && e.powerScale == Rgb(1);
 }
 
 /// Entries that say nothing are left out, so that a reset look equals an untouched one.
@@ -126,6 +126,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
             if (e.id == s.id) {
                 s.enabled = e.enabled;
                 s.shadows = e.shadows;
+                s.link = e.link;
                 s.matrix = e.matrix;
                 s.radiance *= e.powerScale;
                 s.changed = !nothingChanged(e);
@@ -146,6 +147,7 @@ std::vector<EmitterState> emittersOf(const Scene& scene, const Estimate& estimat
         s.index = int(i);
         s.enabled = e.enabled;
         s.shadows = e.shadows;
+        s.link = e.link;
         s.matrix = e.matrix;
         s.radiance = s.recoveredRadiance = e.radiance;
         s.changed = true;
@@ -227,6 +229,12 @@ void setShadows(Look& look, const std::string& id, bool shadows) {
     tidy(look);
 }
 
+void setLink(Look& look, const std::string& id, const LightLink& link) {
+    if (AddedEmitter* added = addedLook(look, id)) added->link = link;
+    else recoveredLook(look, id, true)->link = link;
+    tidy(look);
+}
+
 void shapeEmitter(Look& look, const std::string& id, const std::function<void(LightShaping&)>& change) {
     if (AddedEmitter* added = addedLook(look, id)) change(added->shaping);
 }
@@ -252,7 +260,7 @@ void resetEmitter(Look& look, const std::string& id, EmitterValue value) {
     }
     if (value == EmitterValue::radiance || value == EmitterValue::all) e->powerScale = Rgb(1);
     if (value == EmitterValue::enabled || value == EmitterValue::all) e->enabled = true;
-    if (value == EmitterValue::all) e->shadows = true;
+    if (value == EmitterValue::all) e->shadows = true, e->link = {};
     tidy(look);
 }
 
@@ -303,6 +311,7 @@ std::string duplicateEmitter(Look& look, const Estimate& estimate, const std::st
         copy.matrix = aside * e->matrix;
         copy.radiance *= e->powerScale;
         copy.shadows = e->shadows;
+        copy.link = e->link;
     }
     const std::string made = addEmitter(look, estimate, std::move(copy));
     joinGroupOf(look, id, made);

@@ -19,6 +19,7 @@ struct EmitterState {
     bool recovered = true;
     int index = 0;  ///< place in the estimate's emitters (recovered) or in look.added
     bool enabled = true, shadows = true;
+    LightLink link{};          ///< which objects it falls on
     bool sun = false;          ///< shines from far away: radiance is what a white matte surface shows that faces it
     Mat4 matrix{1};            ///< as in the look
     Rgb radiance{0};           ///< when enabled: what it sends now, without its group
@@ -50,6 +51,8 @@ void setSize(Look& look, const std::string& id, const Vec2& size);
 
 /// Whether it casts shadows.
 void setShadows(Look& look, const std::string& id, bool shadows);
+/// Which objects it falls on.
+void setLink(Look& look, const std::string& id, const LightLink& link);
 /// Changes the shaping of an added light; others have none.
 void shapeEmitter(Look& look, const std::string& id, const std::function<void(LightShaping&)>& change);
 

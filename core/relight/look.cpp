@@ -8,6 +8,7 @@
 #include "base/json_fields.h"
 #include "base/log.h"
 #include "relight/look_keys.h"
+#include "relight/shaping_files.h"
 
 namespace relamp {
 namespace {
@@ -167,7 +168,7 @@ std::vector<std::filesystem::path> filesOf(const Look& look) {
     eachLook(look, [&](const Look& one) {
         if (one.environment.source == EnvironmentLook::Source::file) take(one.environment.file);
         for (const AddedEmitter& e : one.added)
-            for (const auto* file : {&e.shaping.iesFile, &e.shaping.goboFile, &e.shaping.surfaceFile}) take(*file);
+            for (const ShapingFile file : shapingFiles) take(e.shaping.*file);
     });
     return files;
 }
@@ -228,6 +229,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (at->contains("exposure_stops"))
             look.environment.exposureStops = stopsOf((*at)["exposure_stops"], "environment.exposure_stops");
         if (at->contains("tint")) look.environment.tint = colourOf((*at)["tint"], "environment.tint");
+        if (at->contains("sides")) look.environment.sides = sidesFromJson((*at)["sides"], "environment.sides");
     }
     size_t i = 0;
     for (const Json& e : listOf(document, "emitters")) {
@@ -238,6 +240,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
         if (e.contains("enabled")) emitter.enabled = flagOf(e["enabled"], where + ".enabled");
         if (e.contains("matrix")) emitter.matrix = matrixOf(e["matrix"], where + ".matrix", ActsOn::world, origin);
         if (e.contains("shadows")) emitter.shadows = flagOf(e["shadows"], where + ".shadows");
+        if (e.contains("link")) emitter.link = linkFromJson(e["link"], where + ".link");
         if (e.contains("power_scale")) emitter.powerScale = colourOf(e["power_scale"], where + ".power_scale");
         if (e.contains("name")) emitter.name = nameOf(e, where);
         look.emitters.push_back(emitter);
@@ -264,6 +267,7 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
             if (!(emitter.size.x > 0) || !(emitter.size.y > 0)) throw Error("{}.size: expected more than 0", where);
         }
         if (e.contains("shadows")) emitter.shadows = flagOf(e["shadows"], where + ".shadows");
+        if (e.contains("link")) emitter.link = linkFromJson(e["link"], where + ".link");
         if (e.contains("radiance")) emitter.radiance = colourOf(e["radiance"], where + ".radiance");
         if (e.contains("shaping")) {
             if (!infoOf(emitter.shape).shapeable())
@@ -328,6 +332,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
     environment["yaw_degrees"] = look.environment.yawDegrees;
     environment["exposure_stops"] = look.environment.exposureStops;
     environment["tint"] = {look.environment.tint.x, look.environment.tint.y, look.environment.tint.z};
+    if (look.environment.sides != evenSides) environment["sides"] = sidesToJson(look.environment.sides);
     document["emitters"] = Json::array();
     for (const EmitterLook& e : look.emitters) {
         document["emitters"].push_back({{"id", e.id},
@@ -336,6 +341,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
                                         {"power_scale", {e.powerScale.x, e.powerScale.y, e.powerScale.z}}});
         if (!e.name.empty()) document["emitters"].back()["name"] = e.name;
         if (!e.shadows) document["emitters"].back()["shadows"] = false;
+        if (!e.link.everything()) document["emitters"].back()["link"] = linkToJson(e.link);
     }
     document["added_emitters"] = Json::array();
     for (const AddedEmitter& e : look.added) {
@@ -351,6 +357,7 @@ Json lookToJson(const Look& look, const DVec3& origin) {
         if (!e.shaping.plain()) added["shaping"] = shapingToJson(e.shaping);
         if (!e.enabled) added["enabled"] = false;
         if (!e.shadows) added["shadows"] = false;
+        if (!e.link.everything()) added["link"] = linkToJson(e.link);
         if (!e.name.empty()) added["name"] = e.name;
         document["added_emitters"].push_back(std::move(added));
     }

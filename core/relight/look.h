@@ -10,7 +10,9 @@
 #include "base/math.h"
 #include "relight/camera_bookmark.h"
 #include "relight/emitter_shape.h"
+#include "relight/environment_sides.h"
 #include "relight/light_group.h"
+#include "relight/light_link.h"
 #include "relight/light_shaping.h"
 #include "relight/plate_look.h"
 #include "relight/value_keys.h"
@@ -27,6 +29,7 @@ struct EnvironmentLook {
     float yawDegrees = 0;  ///< about +Z, counter-clockwise from above
     float exposureStops = 0;
     Rgb tint{1};
+    EnvironmentSides sides = evenSides;  ///< of the world: a yaw does not turn them
     bool operator==(const EnvironmentLook&) const = default;
 };
 
@@ -37,6 +40,7 @@ struct EmitterLook {
     Rgb powerScale{1};    ///< multiplies its radiance; its power also changes with its area
     std::string name{};   ///< what the artist calls it; empty: its id
     bool shadows = true;  ///< false: its light passes through everything
+    LightLink link{};     ///< which objects it falls on
     bool operator==(const EmitterLook&) const = default;
 };
 
@@ -52,6 +56,7 @@ struct AddedEmitter {
     std::string name{};       ///< what the artist calls it; empty: its id
     LightShaping shaping{};   ///< shapes of their own
     bool shadows = true;      ///< as in EmitterLook
+    LightLink link{};         ///< as in EmitterLook
     bool operator==(const AddedEmitter&) const = default;
 };
 

@@ -26,14 +26,15 @@ struct KeyTable {
 
 const KeyTable& lookTable() {
     static const KeyTable environment{
-        {"source", "file", "state", "mix_state", "mix", "yaw_degrees", "exposure_stops", "tint"}, {}};
-    static const KeyTable emitter{{"id", "enabled", "matrix", "shadows", "power_scale", "name"}, {}};
+        {"source", "file", "state", "mix_state", "mix", "yaw_degrees", "exposure_stops", "tint", "sides"}, {}};
+    static const KeyTable link{{"only", "except"}, {}};
+    static const KeyTable emitter{{"id", "enabled", "matrix", "shadows", "power_scale", "name"}, {{"link", &link}}};
     static const KeyTable shaping{{"cone_degrees", "cone_softness", "focus", "left_door_degrees", "right_door_degrees",
                                    "top_door_degrees", "bottom_door_degrees", "ies_file", "gobo_file", "surface_file"},
                                   {}};
     static const KeyTable added{
         {"id", "shape", "matrix", "size", "seed_vertex", "source", "radiance", "enabled", "shadows", "name"},
-        {{"shaping", &shaping}}};
+        {{"link", &link}, {"shaping", &shaping}}};
     static const KeyTable part{{"seed_vertex", "matrix", "attached_to"}, {}};
     static const KeyTable group{{"name", "members", "enabled", "power_scale"}, {}};
     static const KeyTable materials{{"neutral"}, {}};

@@ -125,6 +125,8 @@ Look blendLooks(const Look& a, const Look& b, float t, const LookPivots& pivots)
     environment.yawDegrees += t * (b.environment.yawDegrees - a.environment.yawDegrees);
     environment.exposureStops += t * (b.environment.exposureStops - a.environment.exposureStops);
     environment.tint = blendLight(a.environment.tint, b.environment.tint, t);
+    for (size_t k = 0; k < environment.sides.size(); ++k)
+        environment.sides[k] = blendLight(a.environment.sides[k], b.environment.sides[k], t);
     for (const EmitterLook& e : b.emitters)
         if (!find(out.emitters, [&](const EmitterLook& x) { return x.id == e.id; }))
             out.emitters.push_back(emitterNamed(a, e.id));

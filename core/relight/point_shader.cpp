@@ -48,6 +48,7 @@ void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& 
     s.eye = glm::transpose(s.frame) * s.towardEye;
     const float b1 = hit.barycentric.x, b2 = hit.barycentric.y, b0 = 1 - b1 - b2;
     s.triangle = hit.triangle;
+    s.component = relit_.componentAt(scene.mesh.triangles[hit.triangle][0]);
     s.corners = back ? Vec3(0) : Vec3(b0, b1, b2);
     s.lobes.clear();
     const LobesAtHit weights = relit_.weightsAt(hit);
@@ -102,7 +103,9 @@ void PointShader::gather(const ShadedPoint& s, uint32_t index, uint64_t seed, Ga
         queue(s, origin, s.frame * local, 1e30f, -1, 0, gloss, matte);
     }
     for (size_t e : lights_.lit) {
-        const EmitterSampler::Proposal* proposal = lights_.emitters[e].prepare(s.position, s.normal, cuts_[e]);
+        const EmitterSampler::Proposal* proposal = relit_.emitters[e].reaches(s.component)
+                                                       ? lights_.emitters[e].prepare(s.position, s.normal, cuts_[e])
+                                                       : nullptr;
         proposals_[e] = proposal;
         if (!proposal) continue;
         const EmitterSurface& surface = relit_.emitters[e].surface;
@@ -139,7 +142,7 @@ void PointShader::addToFactors(const ShadedPoint& s, Gather& matte) const {
     const Triangle& t = relit_.scene.mesh.triangles[s.triangle];
     for (size_t e : lights_.lit) {
         const std::vector<float>& added = relit_.addedFactor[e];
-        if (added.empty()) continue;
+        if (added.empty() || !relit_.emitters[e].reaches(s.component)) continue;
         const float factor = s.corners[0] * added[t[0]] + s.corners[1] * added[t[1]] + s.corners[2] * added[t[2]];
         matte.byEmitter[e] += factor * relit_.emitters[e].emission.level;
     }
@@ -147,6 +150,7 @@ void PointShader::addToFactors(const ShadedPoint& s, Gather& matte) const {
 
 void PointShader::whiteAt(uint32_t vertex, ShadedPoint& s) const {
     whiteAt(relit_.scene.mesh.positions[vertex], relit_.scene.mesh.normals[vertex], s);
+    s.component = relit_.componentAt(vertex);
 }
 
 void PointShader::whiteAt(const Vec3& position, const Vec3& normal, ShadedPoint& s) {
@@ -252,8 +256,8 @@ void PointShader::flushClosest(const ShadedPoint& s, Gather& gloss, Gather& matt
             }
             continue;
         }
-        if (relit_.emitters[size_t(e)].emission.dark() || byAreaAlone(size_t(e))) continue;
         const RelitEmitter& emitter = relit_.emitters[size_t(e)];
+        if (emitter.emission.dark() || byAreaAlone(size_t(e)) || !emitter.reaches(s.component)) continue;
         const float facing = -glm::dot(relit_.scene.mesh.faceNormal(hits[i].triangle), rays_[i].direction);
         if (facing <= 1e-5f && !emitter.surface.twoSided) continue;
         const EmitterSampler::Proposal* proposal = proposals_[size_t(e)];

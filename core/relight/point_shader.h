@@ -17,6 +17,7 @@ struct ShadedPoint {
     std::vector<std::pair<size_t, Rgb>> lobes;  ///< glossy lobes present
     uint32_t triangle = Hit::none;  ///< with the barycentric weights of its corners: where bounced light is read
     Vec3 corners{0};                ///< all 0 on the back of a surface: none is known there
+    uint32_t component = EditedPart::none;  ///< as RelitScene::component
 };
 
 /// Radiance by where it came from.

@@ -174,9 +174,26 @@ void nameEmitters(const std::vector<EmitterCluster>& clusters, const Look& look,
     for (size_t e = 0; e < names.size(); ++e) emitters[e].name = names[e];
 }
 
-/// How a recovered emitter that was moved by `matrix` shines over its surface; null: evenly.
+void takeLink(const LightLink& link, const Scene& scene, const char* where, RelitEmitter& emitter) {
+    emitter.link = link;
+    emitter.reach = reachOf(link, scene, fmt::format("{}: {}.link", where, emitter.id));
+}
+
+/// EditedGeometry::partOfTriangle: the part of a triangle's emitter, or of its component of the mesh.
+void setParts(const Scene& scene, const ClosedMesh& closed, const std::vector<uint32_t>& ofEmitter,
+              const std::vector<uint32_t>& ofComponent, EditedGeometry& out) {
+    for (size_t t = 0; t < out.partOfTriangle.size(); ++t) {
+        const int e = out.emitterOfTriangle[t];
+        const uint32_t origin = closed.vertexOrigin[closed.mesh.triangles[t][0]];
+        out.partOfTriangle[t] = e >= 0 ? ofEmitter[size_t(e)] : ofComponent[scene.component[origin]];
+    }
+}
+
+/// How a recovered emitter that was moved by `matrix` shines over its surface and by direction; null: evenly.
 std::shared_ptr<const ShapedEmission> patternOf(const EmitterCluster& cluster, const Mat4& matrix) {
-    return cluster.pattern ? std::make_shared<const ShapedEmission>(cluster.pattern, matrix) : nullptr;
+    if (!cluster.pattern && cluster.lobe.even()) return nullptr;
+    const bool flat = !cluster.twoSided && glm::length(cluster.normal) > 0.5f;
+    return std::make_shared<const ShapedEmission>(cluster.pattern, matrix, cluster.lobe, flat);
 }
 
 /// The mesh that is closed where emitters with a part of their own leave it; `kept` where it is that one already.
@@ -240,7 +257,7 @@ std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, cons
     }
     const Rgb gain = look.tint * std::exp2(look.exposureStops);
     for (Rgb& c : cells) c *= gain;
-    return std::make_shared<const DistantLight>(grid, std::move(cells));
+    return sided(std::make_shared<const DistantLight>(grid, std::move(cells)), look.sides);
 }
 
 EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const PartsApart& apart,
@@ -250,11 +267,13 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     std::vector<Mat4> matrix(clusters.size(), Mat4(1));
     std::vector<Rgb> radiance = estimate.lighting.emitterRadiance;
     std::vector<uint8_t> shadows(clusters.size(), 1);
+    std::vector<LightLink> links(clusters.size());
     for (const EmitterLook& e : look.emitters) {
         const size_t at = emitterNamed(clusters, e.id, "emitters");
         matrix[at] = e.matrix;
         radiance[at] = e.enabled ? radiance[at] * e.powerScale : Rgb(0);
         shadows[at] = e.shadows;
+        links[at] = e.link;
     }
     expectMembers(clusters, look);
     for (size_t e = 0; e < clusters.size(); ++e) radiance[e] *= groupFactor(look.groups, clusters[e].id);
@@ -292,6 +311,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
                                 emitterSurface(closed.mesh, closed.emitters[e], matrix[e]),
                                 {radiance[e], patternOf(clusters[e], matrix[e])}});
         out.emitters.back().shadows = shadows[e];
+        takeLink(links[e], scene, "emitters", out.emitters.back());
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
         const AddedEmitter& added = look.added[i];
@@ -300,6 +320,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
         RelitEmitter emitter{added.id, {}, {sent}};
         const EmitterShapeInfo& info = infoOf(added.shape);
         emitter.shadows = added.shadows;
+        takeLink(added.link, scene, "added_emitters", emitter);
         if (info.distant) emitter.sunDegrees = std::clamp(added.size.x, 0.01f, 90.0f);
         if (info.distant) emitter.emission.level *= sunRadiance(emitter.sunDegrees);
         if (info.shapeable() && !added.shaping.plain())
@@ -328,12 +349,7 @@ EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const 
     out.moved = out.parts.size() > 1;
     out.partOfTriangle.assign(closed.mesh.triangles.size(), 0);
     if (out.moved) {
-        for (size_t t = 0; t < out.partOfTriangle.size(); ++t) {
-            const int e = out.emitterOfTriangle[t];
-            out.partOfTriangle[t] =
-                e >= 0 ? partOfEmitter[size_t(e)]
-                       : partOfComponent[scene.component[closed.vertexOrigin[closed.mesh.triangles[t][0]]]];
-        }
+        setParts(scene, closed, partOfEmitter, partOfComponent, out);
         moveTriangles(closed.mesh, out);
     }
     for (size_t i = 0; i < look.added.size(); ++i) {
@@ -394,6 +410,9 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     for (const uint32_t t : geometry.untextured) out.untextured[t] = 1;
     out.emitterOfTriangle = std::move(geometry.emitterOfTriangle);
     out.emitters = std::move(geometry.emitters);
+    if (std::any_of(out.emitters.begin(), out.emitters.end(), [](const RelitEmitter& e) { return bool(e.reach); }))
+        for (const uint32_t origin : geometry.vertexOrigin)
+            out.component.push_back(origin == EditedPart::none ? EditedPart::none : scene.component[origin]);
     out.addedFactor = std::move(geometry.addedFactor);
     out.scene = geometry.moved ? buildScene(std::move(geometry.mesh), progress, scene.axes) : scene;
     out.distant = distant ? std::move(distant) : distantOfLook(estimate, look.environment);

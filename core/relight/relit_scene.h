@@ -23,6 +23,10 @@ struct RelitEmitter {
     std::string name{};    ///< what it is called in files (emitterNames)
     bool shadows = true;   ///< false: its light passes through everything
     float sunDegrees = 0;  ///< of a sun, whose surface stands far away and is no part of the mesh: the angle it covers
+    LightLink link{};
+    std::shared_ptr<const LightReach> reach{};  ///< null: it falls on everything
+    /// Whether its light falls on a component of the capture's mesh; EditedPart::none: what is none of it.
+    bool reaches(uint32_t component) const { return !reach || component >= reach->size() || (*reach)[component]; }
 };
 
 /// Triangles that move as one. Part 0 of a geometry is what stays; its matrix is the identity.
@@ -74,7 +78,9 @@ struct RelitScene {
     std::vector<int> emitterOfTriangle;           ///< index into emitters, -1: none
     std::vector<RelitEmitter> emitters;           ///< recovered ones in order, then added ones
     std::vector<std::vector<float>> addedFactor;  ///< as in EditedGeometry
-    StoredWeights weight;                         ///< per lobe, per vertex of `scene`; readers ask weightsAt
+    std::vector<uint32_t>
+        component;         ///< of the capture's mesh, per vertex; empty where every light falls on everything
+    StoredWeights weight;  ///< per lobe, per vertex of `scene`; readers ask weightsAt
     BrdfBasis basis;
     std::vector<float> confidence;                 ///< Reflectance::confidence per vertex of `scene`; empty: 1
     std::shared_ptr<const AlbedoTexture> texture;  ///< albedo finer than weight[0], by triangle of the capture's mesh
@@ -95,6 +101,7 @@ struct RelitScene {
     }
 
     LobesAtVertex weightsAt(size_t vertex) const { return {weight, vertex}; }
+    uint32_t componentAt(size_t vertex) const { return component.empty() ? EditedPart::none : component[vertex]; }
     LobesAtHit weightsAt(const Hit& hit) const { return {weight, scene.mesh.triangles[hit.triangle], hit.barycentric}; }
 };
 

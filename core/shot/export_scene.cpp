@@ -1,6 +1,5 @@
 #include "shot/export_scene.h"
 
-#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -32,6 +31,27 @@ struct Materials {
     std::vector<std::vector<ExportedLobe>> lobes{1};
 };
 
+/// The kinds of surface by which lights fall on them, also the same all over a connected component.
+struct LitKinds {
+    std::vector<uint32_t> ofVertex;              ///< empty: all are one
+    std::vector<std::vector<uint32_t>> kept{1};  ///< of each kind: emitters that do not fall on it
+};
+
+LitKinds litKindsOf(const RelitScene& relit) {
+    LitKinds kinds;
+    if (relit.component.empty()) return kinds;
+    std::map<std::vector<uint32_t>, uint32_t> known{{{}, 0}};
+    for (const uint32_t component : relit.component) {
+        std::vector<uint32_t> kept;
+        for (uint32_t e = 0; e < relit.emitters.size(); ++e)
+            if (!relit.emitters[e].reaches(component)) kept.push_back(e);
+        const auto [at, isNew] = known.emplace(kept, uint32_t(known.size()));
+        if (isNew) kinds.kept.push_back(std::move(kept));
+        kinds.ofVertex.push_back(at->second);
+    }
+    return kinds;
+}
+
 Materials materialsOf(const RelitScene& relit) {
     Materials materials;
     if (relit.weight.size() < 2) return materials;
@@ -61,11 +81,14 @@ struct Selected {
     bool textured = false;
     uint32_t material = 0;
     const Materials* materials = nullptr;
+    uint32_t litKind = 0;
+    const LitKinds* litKinds = nullptr;
     bool holds(const RelitScene& relit, uint32_t t) const {
         if (relit.emitterOfTriangle[t] != emitter) return false;
         if (bool(relit.texture && relit.texture->has(t)) != textured) return false;
-        return !materials || materials->ofVertex.empty() ||
-               materials->ofVertex[relit.scene.mesh.triangles[t][0]] == material;
+        const uint32_t corner = relit.scene.mesh.triangles[t][0];
+        if (litKinds && !litKinds->ofVertex.empty() && litKinds->ofVertex[corner] != litKind) return false;
+        return !materials || materials->ofVertex.empty() || materials->ofVertex[corner] == material;
     }
 };
 
@@ -111,15 +134,30 @@ ExportedComponent componentOf(const RelitScene& relit, const std::vector<FaceTex
     return component;
 }
 
-/// What a light's shape is made of; empty where it has none.
-std::array<fs::path*, 3> filesIn(LightShaping& shaping) {
-    return {&shaping.iesFile, &shaping.goboFile, &shaping.surfaceFile};
-}
-
 /// With the names of the copies beside the scene.
 Json exportedShaping(LightShaping shaping) {
-    for (fs::path* file : filesIn(shaping)) *file = file->filename();
+    for (const ShapingFile file : shapingFiles) shaping.*file = (shaping.*file).filename();
     return shapingToJson(shaping);
+}
+
+/// Where the parts of a shape lie, for programs that know no light like it.
+void placeShaping(const ExportedScene& scene, const ExportedComponent& light, Json& out) {
+    out["axis"] = listOf(light.axis);
+    if (!light.shaped) return;
+    out["x_axis"] = listOf(light.shaped->axes()[0]);
+    out["y_axis"] = listOf(light.shaped->axes()[1]);
+    if (!light.shaping.iesFile.empty()) out["ies_candela"] = iesOf(light.shaping.iesFile)->most;
+    if (light.shaping.surfaceFile.empty() && !light.shaping.doors()) return;
+    out["middle"] = listOf(scene.origin + DVec3(light.shaped->middle()));
+    out["half_size"] = {light.shaped->half().x, light.shaped->half().y};
+    const auto slopes = light.shaped->imageSlopes();
+    out["image_u"] = listOf(slopes[0]);
+    out["image_v"] = listOf(slopes[1]);
+}
+
+/// The surfaces that a light does not fall on, by name.
+void nameUnlit(const ExportedScene& scene, const ExportedComponent& light, Json& out) {
+    for (const uint32_t surface : light.unlit) out["not_on"].push_back(scene.components[surface].name);
 }
 
 Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflection) {
@@ -135,6 +173,7 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflecti
                               {"radiance", listOf(p.radiance)},
                               {"shadows", p.shadows},
                               {"irradiance", listOf(p.radiance * (pi / sunRadiance(p.sunDegrees)))}});
+            nameUnlit(scene, p, lights.back());
             continue;
         }
         Vec3 normal(0);
@@ -155,10 +194,11 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflecti
                           {"positions", positions},
                           {"triangles", triangles}});
         if (!p.shadows) lights.back()["shadows"] = false;
+        nameUnlit(scene, p, lights.back());
         if (!p.level.empty()) lights.back()["levels"] = p.level;
         if (!p.shaping.plain()) {
             lights.back()["shaping"] = exportedShaping(p.shaping);
-            lights.back()["shaping"]["axis"] = listOf(p.axis);
+            placeShaping(scene, p, lights.back()["shaping"]);
         }
     }
     const GaugeReport& gauge = shot.estimate.gauge;
@@ -214,7 +254,8 @@ void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& 
 void copyShapingFiles(ExportedScene& scene, const fs::path& folder, const InputFiles& inputs) {
     std::map<std::string, fs::path> copies;  // by name
     for (ExportedComponent& component : scene.components)
-        for (fs::path* file : filesIn(component.shaping)) {
+        for (const ShapingFile which : shapingFiles) {
+            fs::path* file = &(component.shaping.*which);
             if (file->empty()) continue;
             const std::string stem = file->stem().string(), extension = file->extension().string();
             std::string name = stem + extension;
@@ -235,11 +276,17 @@ std::vector<std::string> leftOut(const ExportedScene& scene) {
             fmt::format("{}: lights.gltf, surfaces.obj and materials.mtlx have its radiance without its shape", c.name);
         const bool images = !c.shaping.goboFile.empty() || !c.shaping.surfaceFile.empty(), doors = c.shaping.doors();
         if (images || doors)
-            line += fmt::format("; lights.usda and scene.py leave its {} out", images && doors ? "images and barn doors"
-                                                                               : images        ? "images"
-                                                                                               : "barn doors");
+            line += fmt::format("; lights.usda leaves its {} out", images && doors ? "images and barn doors"
+                                                                   : images        ? "images"
+                                                                                   : "barn doors");
         lines.push_back(line);
     }
+    for (const ExportedComponent& c : scene.components)
+        if (!c.unlit.empty())
+            lines.push_back(
+                fmt::format("{}: lights.gltf and surfaces.obj let it fall on all surfaces; scene.py needs "
+                            "Blender 4.0 to keep it from some",
+                            c.name));
     for (const ExportedComponent& c : scene.components)
         if (!c.level.empty())
             lines.push_back(fmt::format("{}: surfaces.obj has the mean of its uneven radiance", c.name));
@@ -265,6 +312,7 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         if (const ShapedEmission* shaped = emitter.emission.shaped.get()) {
             ExportedComponent& light = scene.components.back();
             light.shaping = shaped->shaping();
+            light.shaped = emitter.emission.shaped;
             light.axis = shaped->axis();
             light.shapedFraction = shaped->mean();
             for (size_t v = 0; !shaped->even() && v < light.positions.size(); ++v)
@@ -274,15 +322,20 @@ ExportedScene exportedScene(const RelitScene& relit, const Capture& capture) {
         scene.components.back().twoSided = emitter.surface.twoSided;
     }
     const Materials materials = materialsOf(relit);
+    const LitKinds litKinds = litKindsOf(relit);
     for (const bool textured : {true, false}) {
         if (textured && !relit.texture) continue;
         const std::string kind = relit.texture && !textured ? "plain surfaces" : "surfaces";
         size_t count = 0;
-        for (uint32_t m = 0; m < materials.lobes.size(); ++m) {
+        for (uint32_t m = 0; m < materials.lobes.size() * litKinds.kept.size(); ++m) {
             const std::string name = count == 0 ? kind : fmt::format("{} {}", kind, count + 1);
-            ExportedComponent component = componentOf(relit, own, {-1, textured, m, &materials}, name, name, Vec3(0));
+            const uint32_t material = m / uint32_t(litKinds.kept.size()), lit = m % uint32_t(litKinds.kept.size());
+            ExportedComponent component =
+                componentOf(relit, own, {-1, textured, material, &materials, lit, &litKinds}, name, name, Vec3(0));
             if (component.triangles.empty()) continue;
-            component.lobes = materials.lobes[m];
+            component.lobes = materials.lobes[material];
+            for (const uint32_t e : litKinds.kept[lit])
+                scene.components[e].unlit.push_back(uint32_t(scene.components.size()));
             scene.components.push_back(std::move(component));
             ++count;
         }

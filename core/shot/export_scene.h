@@ -34,10 +34,12 @@ struct ExportedComponent {
     LightShaping shaping{};           ///< of an added light
     Vec3 axis{0, 0, -1};              ///< that the shaping counts from, unit
     Rgb shapedFraction{1};            ///< of the power that it would have without shaping
+    std::shared_ptr<const ShapedEmission> shaped{};  ///< null: it has no shaping
     bool emits = false, twoSided = false;
     bool shadows = true;
-    float sunDegrees = 0;  ///< of a sun: the angle that it covers; it has no triangles
-    float area = 0;        ///< square metres
+    std::vector<uint32_t> unlit{};  ///< of a light: the components that it does not fall on (indices into the scene's)
+    float sunDegrees = 0;           ///< of a sun: the angle that it covers; it has no triangles
+    float area = 0;                 ///< square metres
 };
 
 struct ExportedView {
@@ -46,7 +48,8 @@ struct ExportedView {
 };
 
 struct ExportedScene {
-    /// The emitters in order, then surfaces with texture, then the rest, each by the lobes that they have.
+    /// The emitters in order, then surfaces with texture, then the rest, each by the lobes that they have and the
+    /// lights that do not fall on them.
     std::vector<ExportedComponent> components;
     std::vector<ExportedView> views;  ///< their cameras count from origin
     DVec3 origin{0};                  ///< Capture::origin: double where single precision would not hold the places
@@ -56,10 +59,10 @@ struct ExportedScene {
 ExportedScene exportedScene(const RelitScene& relit, const Capture& capture);
 
 /// USD as text: a Mesh with MeshLightAPI and an emissive UsdPreviewSurface per emitter, a DomeLight over
-/// `environmentFile`, a Camera per view, ShapingAPI where a light has a cone, focus or photometric file, the rest of
-/// the mesh with its albedo as displayColor, or as a UsdUVTexture of `textureFile` (linear). A light that shines
-/// unevenly takes its emission from its material, whose colour is the primvar emission. Z up, metres. Prims are called
-/// after their emitters, channel-safe; ids stand in relamp:id.
+/// `environmentFile`, a Camera per view, ShapingAPI where a light has a cone, focus or photometric file, a lightLink
+/// where it does not fall on every surface, the rest of the mesh with its albedo as displayColor, or as a UsdUVTexture
+/// of `textureFile` (linear). A light that shines unevenly takes its emission from its material, whose colour is the
+/// primvar emission. Z up, metres. Prims are called after their emitters, channel-safe; ids stand in relamp:id.
 std::string usdaOf(const ExportedScene& scene, const std::string& environmentFile,
                    const std::string& textureFile = "albedo.exr");
 

@@ -63,7 +63,15 @@ ExportedComponent turned(ExportedComponent component, const Mat3& axes) {
     return component;
 }
 
-std::string meshOf(const ExportedComponent& given, const DVec3& origin, const std::string& name) {
+/// The collection that every light of UsdLux has: all prims but those that it does not fall on.
+std::string linkOf(const ExportedComponent& light, const std::vector<std::string>& prims) {
+    if (light.unlit.empty()) return "";
+    return "        uniform bool collection:lightLink:includeRoot = 1\n        rel collection:lightLink:excludes = " +
+           list(light.unlit, [&](uint32_t surface) { return "</relamp/" + prims[surface] + ">"; }) + "\n";
+}
+
+std::string meshOf(const ExportedComponent& given, const DVec3& origin, const std::string& name,
+                   const std::string& link) {
     const bool shaped = !given.shaping.plain();
     const Mat3 turn = shaped ? frameAround(-given.axis) : Mat3(1);
     const ExportedComponent p = shaped ? turned(given, turn) : given;
@@ -71,6 +79,7 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
         "    def Mesh \"{}\" (\n        prepend apiSchemas = [{}{}{}\"MaterialBindingAPI\"]\n    )\n    {{\n", name,
         p.emits ? "\"MeshLightAPI\", " : "", shaped ? "\"ShapingAPI\", " : "", p.shadows ? "" : "\"ShadowAPI\", ");
     if (!p.shadows) s += "        bool inputs:shadow:enable = 0\n";
+    s += link;
     s += fmt::format(
         "        string relamp:id = {}\n        uniform token subdivisionScheme = \"none\"\n        uniform bool "
         "doubleSided = {}\n",
@@ -122,16 +131,16 @@ std::string meshOf(const ExportedComponent& given, const DVec3& origin, const st
 }
 
 /// Its intensity is the irradiance: normalised, a sun's power does not change with its angle.
-std::string sunOf(const ExportedComponent& p, const std::string& name) {
+std::string sunOf(const ExportedComponent& p, const std::string& name, const std::string& link) {
     const Rgb irradiance = p.radiance * (pi / sunRadiance(p.sunDegrees));
     const float intensity = std::max(maxChannel(irradiance), 0.0f);
     return fmt::format(
-        "    def DistantLight \"{}\"{}\n    {{\n{}        string relamp:id = {}\n        float inputs:angle = {}\n"
+        "    def DistantLight \"{}\"{}\n    {{\n{}{}        string relamp:id = {}\n        float inputs:angle = {}\n"
         "        color3f inputs:color = {}\n        float inputs:intensity = {}\n        bool inputs:normalize = 1\n"
         "        matrix4d xformOp:transform = {}\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    "
         "}}\n\n",
         name, p.shadows ? "" : " (\n        prepend apiSchemas = [\"ShadowAPI\"]\n    )",
-        p.shadows ? "" : "        bool inputs:shadow:enable = 0\n", quoted(p.id), p.sunDegrees,
+        p.shadows ? "" : "        bool inputs:shadow:enable = 0\n", link, quoted(p.id), p.sunDegrees,
         tuple(intensity > 0 ? irradiance / intensity : Rgb(1)), intensity,
         matrix(DMat4(glm::dmat3(frameAround(-p.axis)))));
 }
@@ -240,10 +249,10 @@ std::string usdaOf(const ExportedScene& scene, const std::string& environmentFil
         const std::string& name = names[i];
         if (name.empty()) continue;
         if (component.sunDegrees > 0) {
-            s += sunOf(component, name);
+            s += sunOf(component, name, linkOf(component, names));
             continue;
         }
-        s += meshOf(component, scene.origin, name);
+        s += meshOf(component, scene.origin, name, linkOf(component, names));
         if (component.emits) materials += materialOf(component, name);
         else materials += surfaceMaterial(component, name, textureFile);
     }

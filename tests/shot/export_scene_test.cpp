@@ -122,13 +122,47 @@ TEST_F(ExportedShot, HasSunsAndShapedLightsAsUsdLuxHasThem) {
     EXPECT_NE(usd.find("@./beam.ies@"), std::string::npos);
     ASSERT_EQ(words.size(), 1u);
     EXPECT_NE(words[0].find("spot-1: lights.gltf"), std::string::npos) << words[0];
-    EXPECT_NE(words[0].find("scene.py leave its barn doors out"), std::string::npos) << words[0];
+    EXPECT_NE(words[0].find("lights.usda leaves its barn doors out"), std::string::npos) << words[0];
     // A cone needs no photometric file.
     look.added[1].shaping.iesFile.clear();
     const std::string plain =
         usdaOf(exportedScene(test::relitOf(scene, shot.estimate, look), shot.capture), "environment.exr");
     EXPECT_NE(plain.find("inputs:shaping:cone:angle = 30"), std::string::npos);
     EXPECT_EQ(plain.find("ies:file"), std::string::npos);
+}
+
+TEST_F(ExportedShot, NamesTheSurfacesThatALightDoesNotFallOn) {
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2);
+    const uint32_t second = uint32_t(mesh.vertexCount());
+    test::append(mesh, test::sheet({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 2, 2));
+    const Scene scene = test::sceneOf(mesh);
+    const Estimate estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1));
+    Look look;
+    look.added.push_back({EmitterShape::disk, "disk-1", test::translation({0, 0, 2}), Vec2(1), Rgb(4)});
+    look.added.push_back({EmitterShape::sun, "sun-1", Mat4(1), Vec2(0.53f), Rgb(2)});
+    look.added[0].link = {false, {second}};
+    look.added[1].link = {true, {second}};
+    Shot linked;
+    linked.estimate = estimate;
+    linked.capture.mesh = scene.mesh;
+    const std::vector<std::string> words =
+        exportScene(linked, test::relitOf(scene, estimate, look), folder / "linked", false);
+    ASSERT_EQ(words.size(), 2u);
+    EXPECT_NE(words[0].find("disk-1: lights.gltf and surfaces.obj let it fall on all"), std::string::npos) << words[0];
+    const auto lights = nlohmann::json::parse(test::TemporaryFolder::read(folder / "linked/lights.json"))["lights"];
+    ASSERT_EQ(lights[0]["not_on"].size(), 1u);
+    ASSERT_EQ(lights[1]["not_on"].size(), 1u);
+    EXPECT_NE(lights[0]["not_on"][0], lights[1]["not_on"][0]);
+    // The surface that is named is the one, and glTF's nodes and USD's prims are called alike.
+    const auto gltf = nlohmann::json::parse(test::TemporaryFolder::read(folder / "linked/lights.gltf"));
+    for (const auto& node : gltf["nodes"])
+        if (node["name"] == lights[0]["not_on"][0]) {
+            const auto position = gltf["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"]["POSITION"];
+            EXPECT_EQ(gltf["accessors"][position.get<size_t>()]["max"][2], 1);
+        }
+    const std::string usd = test::TemporaryFolder::read(folder / "linked/lights.usda");
+    EXPECT_NE(usd.find("rel collection:lightLink:excludes = [</relamp/surfaces>]"), std::string::npos);
+    EXPECT_NE(usd.find("rel collection:lightLink:excludes = [</relamp/surfaces_2>]"), std::string::npos);
 }
 
 TEST_F(ExportedShot, KeepsTheUnevenRadianceOfALight) {

@@ -386,6 +386,7 @@ void inspectEmitter(Editor& editor, const EmitterState& emitter) {
 
     if (section("Light", "Exposure and colour")) light(editor, emitter, targets);
     inspectBeam(editor, emitter);
+    inspectLink(editor, emitter, targets);
     if (section("Position", "Where it stands, how it is turned, how large it is")) {
         place(editor, emitter, targets);
         if (emitter.changed && button("Reset position", "Back to where it stood when the photographs were taken"))

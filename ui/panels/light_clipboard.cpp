@@ -37,6 +37,7 @@ std::vector<AddedEmitter> asAddedLights(const Editor& editor, const std::vector<
         light.enabled = emitter->enabled;
         light.shadows = emitter->shadows;
         light.name.clear();
+        light.link = {};  // of objects of this capture
         lights.push_back(light);
     }
     return lights;

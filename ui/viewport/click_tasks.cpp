@@ -1,5 +1,6 @@
 #include "viewport/click_tasks.h"
 
+#include "edit/link_edits.h"
 #include "viewport/navigation.h"
 #include "viewport/picking.h"
 
@@ -68,6 +69,8 @@ std::string editLabelOf(ClickTask task) {
         case ClickTask::reflect: return "Place by reflection";
         case ClickTask::illuminate: return "Place by its light";
         case ClickTask::attach: return "Attach an object to";
+        case ClickTask::leaveOut: return "Leave an object out of";
+        case ClickTask::lightOnly: return "Light one object with";
         case ClickTask::takeColour: return "Take the colour for";
         case ClickTask::newPart: return "Make an object shine";
         case ClickTask::region:
@@ -121,6 +124,19 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
             if (!ids.empty())
                 editor.edit(editLabelOf(task) + " " + editor.namesOf({ids.back()}),
                             [&](Look& look) { attachPart(look, *scene, *vertex, ids.back()); });
+            break;
+        }
+        case ClickTask::leaveOut:
+        case ClickTask::lightOnly: {
+            const auto vertex = captureVertex();
+            if (!vertex) return true;
+            const auto changed = task == ClickTask::leaveOut ? withoutPart : onlyOnPart;
+            if (!ids.empty())
+                editor.edit(editLabelOf(task) + " " + editor.namesOf(ids), [&](Look& look) {
+                    for (const std::string& id : ids)
+                        if (const EmitterState* light = editor.emitter(id))
+                            setLink(look, id, changed(light->link, *scene, *vertex));
+                });
             break;
         }
         case ClickTask::takeColour: {

@@ -321,6 +321,8 @@ const char* hintOf(ClickTask task) {
         case ClickTask::reflect: return "Click, or drag over, where its reflection is to be seen (Esc cancels)";
         case ClickTask::illuminate: return "Click, or drag over, what it lights (Esc cancels)";
         case ClickTask::attach: return "Click the object that follows the light (Esc cancels)";
+        case ClickTask::leaveOut: return "Click an object that the light does not fall on (Esc cancels)";
+        case ClickTask::lightOnly: return "Click an object that the light falls on alone (Esc cancels)";
         case ClickTask::takeColour: return "Click where the light's new colour is seen (Esc cancels)";
         case ClickTask::region: return "Drag a rectangle over what is to be rendered (Esc cancels)";
         case ClickTask::newPart: return "Click the object that shines (Esc cancels)";

@@ -77,6 +77,16 @@ void markElsewhere(NearEmitter& emitter, const LiveVertices& now, const LiveVert
     if (stale) emitter.restart();
 }
 
+/// NearEmitter::unreached.
+std::vector<uint8_t> unreachedBy(const RelitEmitter& emitter, const Scene& scene, const LiveVertices& now) {
+    std::vector<uint8_t> unreached;
+    if (!emitter.reach) return unreached;
+    unreached.reserve(now.count());
+    for (const uint32_t origin : now.origin)
+        unreached.push_back(origin != EditedPart::none && !emitter.reaches(scene.component[origin]));
+    return unreached;
+}
+
 }  // namespace
 
 void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, PartsApart nextApart) {
@@ -145,6 +155,7 @@ void LiveScene::State::takeGeometry(const Look& next, EditedGeometry edited, Par
         out.added = edited.addedFactor[e];
         out.shaped = edited.emitters[e].emission.shaped;
         out.shadows = edited.emitters[e].shadows;
+        out.unreached = unreachedBy(edited.emitters[e], *scene, now);
         out.shape.resize(out.shaped ? now.count() : 0, Rgb(0));
         out.factor.resize(now.count(), 0);
         out.open.resize(now.count(), 0);

@@ -137,7 +137,7 @@ Rgb LiveGloss::distantLight(const GlossInputs& in, const Surface& s, const TapPa
 }
 
 Rgb LiveGloss::nearLight(const GlossInputs& in, const Surface& s, const NearEmitter& e, bool fine, bool shadows) const {
-    if (glm::dot(e.centre - s.position, s.normal) < -e.radius) return Rgb(0);
+    if (!e.reaches(s.vertex) || glm::dot(e.centre - s.position, s.normal) < -e.radius) return Rgb(0);
     thread_local EmitterComponents cut;
     const auto& basis = estimate_.reflectance.basis.lobes;
     const Mat3 toLocal = glm::transpose(s.frame);

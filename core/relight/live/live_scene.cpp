@@ -67,10 +67,12 @@ std::shared_ptr<const DistantLight> LiveScene::State::unturnedOf(const Environme
 
 void LiveScene::State::takeEnvironment(const EnvironmentLook& next, std::shared_ptr<const DistantLight> nextUnturned) {
     const Rgb nextGain = next.tint * std::exp2(next.exposureStops);
-    const bool swapped = nextUnturned != unturned || next.yawDegrees != look.environment.yawDegrees;
+    const bool swapped = nextUnturned != unturned || next.yawDegrees != look.environment.yawDegrees ||
+                         next.sides != look.environment.sides;
     if (swapped) {
         unturned = std::move(nextUnturned);
-        plain = next.yawDegrees == 0 || unturned->black() ? unturned : turned(*unturned, next.yawDegrees);
+        plain = sided(next.yawDegrees == 0 || unturned->black() ? unturned : turned(*unturned, next.yawDegrees),
+                      next.sides);
         light = liveLight(*plain, options.gridSide);
         pyramidStale = true;
         gloss.markDistant();

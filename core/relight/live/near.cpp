@@ -18,6 +18,13 @@ uint64_t seedOf(uint64_t seed, size_t vertex, const NearEmitter& emitter) {
 
 void sampleVertex(NearEmitter& e, const LiveVertices& vertices, const LiveOccluders& occluders, uint64_t seed, size_t v,
                   int level, bool groundClear = false, Vec3* flux = nullptr) {
+    if (!e.reaches(v)) {
+        e.factor[v] = e.open[v] = 0;
+        if (!e.shape.empty()) e.shape[v] = Rgb(0);
+        if (flux) *flux = Vec3(0);
+        e.level[v] = uint8_t(level);
+        return;
+    }
     const Vec3 point = vertices.mesh->positions[v], to = e.centre - point;
     const bool close = level < 3 && glm::dot(to, to) < nearRadii * nearRadii * e.radius * e.radius;
     e.factor[v] = nearFactor(e, occluders, point, vertices.mesh->normals[v], level == 1 ? coarseCut : fineCut,
@@ -147,7 +154,7 @@ bool wholeAbove(const NearEmitter& e, const LiveVertices& vertices, size_t v) {
 bool takeBetween(NearEmitter& e, const LiveVertices& vertices, NearLevels& detail, size_t v) {
     using Known = NearLevels::Known;
     const std::span<const LiveLevels::Parent> parents = detail.levels.parents(v);
-    if (parents.empty()) return false;
+    if (parents.empty() || !e.reaches(v)) return false;
     const Vec3 normal = vertices.mesh->normals[v];
     const bool rough = detail.gaze.misses(vertices.mesh->positions[v], normal), wholly = wholeAbove(e, vertices, v);
     Vec3 flux(0);
@@ -157,7 +164,7 @@ bool takeBetween(NearEmitter& e, const LiveVertices& vertices, NearLevels& detai
     bool above = wholly;
     for (const LiveLevels::Parent& p : parents) {
         const Known& own = detail.known[p.vertex];
-        if (own.state == Known::nothing) return false;
+        if (own.state == Known::nothing || !e.reaches(p.vertex)) return false;
         above &= own.state == Known::whole;
         flux += p.weight * own.flux;
         factor += p.weight * own.factor;
@@ -292,7 +299,7 @@ bool nearRefine(NearEmitter& e, const LiveVertices& vertices, const VertexGraph&
         const int level = e.pass == 0 ? 2 : e.pass < 3 ? 3 : 4;
         std::vector<uint32_t> chosen;
         for (; e.next < vertices.count() && chosen.size() < most / (e.pass == 0 ? 1 : e.pass < 3 ? 4 : 16); ++e.next) {
-            if (!vertices.lit(e.next) || e.level[e.next] >= level) continue;
+            if (!vertices.lit(e.next) || !e.reaches(e.next) || e.level[e.next] >= level) continue;
             const bool wanted = e.pass == 0 || (e.pass < 3 ? atEdge(e, vertices, graph, e.next)
                                                            : e.level[e.next] == 3 && partlySeen(e, e.next));
             if (wanted) chosen.push_back(uint32_t(e.next));

@@ -36,10 +36,11 @@ struct NearEmitter {
     std::vector<float> added;                      ///< to the factor (EditedGeometry::addedFactor); empty: nothing
     std::shared_ptr<const ShapedEmission> shaped;  ///< null: Lambertian and even
     bool shadows = true;                           ///< false: factor is open
-    std::vector<Rgb> shape;      ///< what of its unshadowed light its shaping lets through; empty: all
-    std::vector<uint8_t> level;  ///< 0: stale; 1 to 4: from 4, 16, 64, 256 samples
-    int pass = 0;                ///< of the refinement; passes: done
-    size_t next = 0;             ///< vertex at which the pass goes on
+    std::vector<uint8_t> unreached;  ///< per vertex 1 where it does not fall by its link; empty: it falls everywhere
+    std::vector<Rgb> shape;          ///< what of its unshadowed light its shaping lets through; empty: all
+    std::vector<uint8_t> level;      ///< 0: stale; 1 to 4: from 4, 16, 64, 256 samples
+    int pass = 0;                    ///< of the refinement; passes: done
+    size_t next = 0;                 ///< vertex at which the pass goes on
 
     static constexpr int passes = 4;  ///< 16 samples everywhere; 64 at edges, twice, as edges show better; 256 at edges
     /// The refinement starts anew.
@@ -51,7 +52,8 @@ struct NearEmitter {
         level[vertex] = 0;
         restart();
     }
-    float at(size_t v) const { return added.empty() ? factor[v] : std::max(0.0f, factor[v] + added[v]); }
+    bool reaches(size_t v) const { return unreached.empty() || !unreached[v]; }
+    float at(size_t v) const { return added.empty() || !reaches(v) ? factor[v] : std::max(0.0f, factor[v] + added[v]); }
     /// Light on a white matte surface, of an emitter of level 1.
     Rgb light(size_t v) const { return shape.empty() ? Rgb(at(v)) : at(v) * shape[v]; }
     float seen(size_t v) const { return open[v] > 0 ? factor[v] / open[v] : 1.0f; }

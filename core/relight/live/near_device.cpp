@@ -121,7 +121,7 @@ void NearPlace::start(const std::vector<NearEmitter>& emitters, const LiveVertic
             Started s{e, {}};
             s.wanted.reserve(vertices.count());
             for (uint32_t v = 0; v < vertices.count(); ++v)
-                if (!emitters[e].level[v] && vertices.lit(v)) s.wanted.push_back(v);
+                if (!emitters[e].level[v] && vertices.lit(v) && emitters[e].reaches(v)) s.wanted.push_back(v);
             if (s.wanted.empty()) continue;
             device_->start({emitters[e], vertices, occluders, blockers, s.wanted, 1, seed});
             started_.push_back(std::move(s));

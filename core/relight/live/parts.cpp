@@ -14,7 +14,8 @@ namespace {
 std::string keyOf(const EditedGeometry& geometry, const EditedPart& part, const Look& look, size_t recovered) {
     if (part.emitter < 0) return fmt::format("component {}", part.component);
     const RelitEmitter& emitter = geometry.emitters[size_t(part.emitter)];
-    const char* light = emitter.shadows ? "" : " without shadows";
+    std::string light = emitter.shadows ? "" : " without shadows";
+    if (!emitter.link.everything()) light += " " + dumpJson(linkToJson(emitter.link));
     if (size_t(part.emitter) < recovered) return fmt::format("emitter {}{}", emitter.id, light);
     const AddedEmitter& a = look.added[size_t(part.emitter) - recovered];
     std::string key =

@@ -59,7 +59,8 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
             front = facing;
         }
         if (!any) out.incident[c] = environment.cells[c];
-        else if (emitter >= 0 && (front || s.geometry.emitters[size_t(emitter)].surface.twoSided))
+        else if (emitter >= 0 && s.near[size_t(emitter)].reaches(t[0]) &&
+                 (front || s.geometry.emitters[size_t(emitter)].surface.twoSided))
             out.incident[c] = s.geometry.emitters[size_t(emitter)].emission.radiance(-d, origin + nearest.distance * d);
     }
     // An emitter smaller than a cell falls between the rays: where it lies it counts with the fraction of the cell it
@@ -68,7 +69,7 @@ PointLight LiveScene::lightAt(uint32_t triangle, const Vec2& barycentric) const 
     for (size_t e = 0; e < s.near.size(); ++e) {
         const NearEmitter& emitter = s.near[e];
         const float distance = glm::length(emitter.centre - out.point);
-        if (s.geometry.emitters[e].emission.dark() || distance <= emitter.radius ||
+        if (s.geometry.emitters[e].emission.dark() || !emitter.reaches(t[0]) || distance <= emitter.radius ||
             pi * emitter.radius * emitter.radius > 4 * distance * distance * out.grid.cellSolidAngle())
             continue;
         float open = 0;

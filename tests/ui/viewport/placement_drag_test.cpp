@@ -124,6 +124,23 @@ TEST(ClickTasks, aLightTakesTheColourOfASurfaceAndStaysAsBright) {
     EXPECT_EQ(editor.history().entries().back().label, "Take the colour for Light 1");
 }
 
+TEST(ClickTasks, anObjectIsLeftOutOfALightAsOneEditThatUndoTakesBack) {
+    Placing p;
+    Editor& editor = *p.editor;
+    const auto point = pickSurface(*p.mesh(), p.eye.rayAt(p.floorAt(30)));
+    const auto& component = editor.state.document.scene->component;
+    for (const auto& [task, only] : {std::pair(ClickTask::leaveOut, false), std::pair(ClickTask::lightOnly, true)}) {
+        editor.state.viewport.clickTask = task;
+        EXPECT_TRUE(runClickTask(editor, point, p.eye));
+        EXPECT_EQ(editor.state.viewport.clickTask, ClickTask::none);
+        ASSERT_EQ(p.light().link.parts.size(), 1u);
+        EXPECT_EQ(component[p.light().link.parts[0]], component[point->vertex]);
+        EXPECT_EQ(p.light().link.only, only);
+        editor.undo();
+        EXPECT_TRUE(p.light().link.everything());
+    }
+}
+
 TEST(BoxSelect, takesTheLightsWhoseMarksLieInside) {
     Placing p;
     const Vec2 at = *p.eye.toScreen(p.light().pivot);
