@@ -5,8 +5,7 @@
 
 Every light is an object with a light group of its own, the environment is the group "world". Radiance, albedo and
 places are those of relamp: view 0 of matte surfaces is the frame that `relamp render` makes of it. Glossy lobes are
-Glossy BSDFs of the same roughness. Lens distortion, IES profiles, images and barn doors of lights are left out and
-said so.
+Glossy BSDFs of the same roughness. Lens distortion is left out and said so.
 """
 import argparse
 import array
@@ -19,6 +18,9 @@ import bpy
 import mathutils
 
 LEVEL = "relamp level"
+# What the IES node makes of a candela: 4 pi / 177.83.
+IES_UNIT = 0.0706650768394
+WIDEST_GOBO = 80
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 
 
@@ -61,29 +63,70 @@ def maths(nodes, links, operation, a, b=None):
     return node.outputs[0]
 
 
-def strength_of(light, nodes, links):
-    """1, or what the front's side, uneven radiance, cone and focus leave; None where nothing is to be multiplied."""
+def product_of(nodes, links, factors):
+    """None where there is nothing to multiply."""
+    product = None
+    for factor in factors:
+        if factor is not None:
+            product = factor if product is None else maths(nodes, links, "MULTIPLY", product, factor)
+    return product
+
+
+def vector_maths(nodes, links, operation, a, b):
+    node = nodes.new("ShaderNodeVectorMath")
+    node.operation = operation
+    for at, value in enumerate((a, b)):
+        if isinstance(value, (list, tuple)):
+            node.inputs[at].default_value = value
+        else:
+            links.new(value, node.inputs[at])
+    return node.outputs["Value" if operation == "DOT_PRODUCT" else "Vector"]
+
+
+def image_of(nodes, links, file, u, v):
+    """The colour of an image at a place, black beside it."""
+    place = nodes.new("ShaderNodeCombineXYZ")
+    for at, value in enumerate((u, v)):
+        links.new(value, place.inputs[at])
+    picture = nodes.new("ShaderNodeTexImage")
+    picture.image = bpy.data.images.load(os.path.join(FOLDER, file), check_existing=True)
+    picture.extension = "CLIP"
+    links.new(place.outputs[0], picture.inputs["Vector"])
+    return picture.outputs["Color"]
+
+
+def doors_of(shaping, nodes, links, along, middle):
+    """1 where light passes a barn door, for each door that is not wide open; both in the light's own axes."""
+    factors = []
+    for key, axis, side in (("left", 0, -1), ("right", 0, 1), ("top", 1, 1), ("bottom", 1, -1)):
+        degrees = shaping.get(key + "_door_degrees", 90)
+        if degrees >= 90:
+            continue
+        half, turned = shaping["half_size"][axis], math.radians(degrees)
+        end = maths(nodes, links, "SUBTRACT", half + 2 * half * math.sin(turned),
+                    maths(nodes, links, "MULTIPLY", middle[axis], side))
+        reach = maths(nodes, links, "MULTIPLY", along[axis], side * 2 * half * math.cos(turned))
+        factors.append(maths(nodes, links, "LESS_THAN", reach, maths(nodes, links, "MULTIPLY", end, along[2])))
+    return factors
+
+
+def shape_of(light, nodes, links, base):
+    """What a light's surface and its shape leave of its radiance: a number, and colours to multiply; none: all."""
     geometry = nodes.new("ShaderNodeNewGeometry")
-    strength = None if light["two_sided"] else maths(nodes, links, "SUBTRACT", 1, geometry.outputs["Backfacing"])
+    factors, colours = [], []
+    if not light["two_sided"]:
+        factors.append(maths(nodes, links, "SUBTRACT", 1, geometry.outputs["Backfacing"]))
     if "levels" in light:
         level = nodes.new("ShaderNodeAttribute")
         level.attribute_name = LEVEL
-        own = level.outputs["Fac"]
-        strength = own if strength is None else maths(nodes, links, "MULTIPLY", strength, own)
-    shaping = light.get("shaping", {})
-    for key in ("ies_file", "gobo_file", "surface_file"):
-        if key in shaping:
-            note("%s: its %s is left out" % (light["name"], key))
-    if any(key.endswith("_door_degrees") for key in shaping):
-        note("%s: its barn doors are left out" % light["name"])
-    if "cone_degrees" not in shaping and "focus" not in shaping:
-        return strength
-    dot = nodes.new("ShaderNodeVectorMath")
-    dot.operation = "DOT_PRODUCT"
-    links.new(geometry.outputs["Incoming"], dot.inputs[0])
-    dot.inputs[1].default_value = shaping["axis"]
-    cosine = dot.outputs["Value"]
-    factors = [strength] if strength else []
+        factors.append(level.outputs["Fac"])
+    shaping = light.get("shaping")
+    if not shaping:
+        return product_of(nodes, links, factors), colours
+    # The direction that light leaves along, in the light's own axes; the last one is where it shines.
+    away = geometry.outputs["Incoming"]
+    along = [vector_maths(nodes, links, "DOT_PRODUCT", away, shaping[k]) for k in ("x_axis", "y_axis", "axis")]
+    cosine = along[2]
     if "cone_degrees" in shaping:
         outer = math.radians(shaping["cone_degrees"])
         inner = outer * (1 - shaping.get("cone_softness", 0))
@@ -95,10 +138,33 @@ def strength_of(light, nodes, links):
         factors.append(fade.outputs["Result"])
     if shaping.get("focus", 0) > 0:
         factors.append(maths(nodes, links, "POWER", maths(nodes, links, "MAXIMUM", cosine, 0), shaping["focus"]))
-    product = factors[0]
-    for factor in factors[1:]:
-        product = maths(nodes, links, "MULTIPLY", product, factor)
-    return product
+    if "ies_file" in shaping:
+        # The node's angle 0 is at -Y and it turns the other way.
+        turned = nodes.new("ShaderNodeCombineXYZ")
+        for at, value in enumerate((along[1], along[0], cosine)):
+            links.new(maths(nodes, links, "MULTIPLY", value, -1), turned.inputs[at])
+        profile = nodes.new("ShaderNodeTexIES")
+        profile.mode = "EXTERNAL"
+        profile.filepath = os.path.join(FOLDER, shaping["ies_file"])
+        profile.inputs["Strength"].default_value = 1 / (IES_UNIT * shaping["ies_candela"])
+        links.new(turned.outputs[0], profile.inputs["Vector"])
+        factors.append(profile.outputs["Fac"])
+    if "gobo_file" in shaping:
+        edge = math.tan(math.radians(min(shaping.get("cone_degrees", 180), WIDEST_GOBO)))
+        ahead = maths(nodes, links, "MULTIPLY", maths(nodes, links, "MAXIMUM", cosine, 1e-3), 2 * edge)
+        places = [maths(nodes, links, "ADD", maths(nodes, links, "DIVIDE", a, ahead), 0.5) for a in along[:2]]
+        colours.append(image_of(nodes, links, shaping["gobo_file"], *places))
+        factors.append(maths(nodes, links, "GREATER_THAN", cosine, 1e-3))
+    if "middle" in shaping:
+        here = vector_maths(nodes, links, "SUBTRACT", geometry.outputs["Position"],
+                            [shaping["middle"][k] - base[k] for k in range(3)])
+        middle = [vector_maths(nodes, links, "DOT_PRODUCT", here, shaping[k]) for k in ("x_axis", "y_axis")]
+        factors += doors_of(shaping, nodes, links, along, middle)
+        if "surface_file" in shaping:
+            places = [maths(nodes, links, "ADD", vector_maths(nodes, links, "DOT_PRODUCT", here, shaping[k]), 0.5)
+                      for k in ("image_u", "image_v")]
+            colours.append(image_of(nodes, links, shaping["surface_file"], *places))
+    return product_of(nodes, links, factors), colours
 
 
 def add_light(light, base):
@@ -121,8 +187,13 @@ def add_light(light, base):
         material, nodes, links, output = new_material(light["name"])
         emission = nodes.new("ShaderNodeEmission")
         strongest = max(max(light["radiance"]), 1e-30)
-        emission.inputs["Color"].default_value = [c / strongest for c in light["radiance"]] + [1]
-        strength = strength_of(light, nodes, links)
+        strength, colours = shape_of(light, nodes, links, base)
+        colour = [c / strongest for c in light["radiance"]]
+        emission.inputs["Color"].default_value = colour + [1]
+        for other in colours:
+            colour = vector_maths(nodes, links, "MULTIPLY", other, colour)
+        if colours:
+            links.new(colour, emission.inputs["Color"])
         if strength is None:
             emission.inputs["Strength"].default_value = strongest
         else:
@@ -133,6 +204,21 @@ def add_light(light, base):
             note("%s: shadows cannot be switched off for a mesh" % light["name"])
     thing["relamp_id"] = light["id"]
     group(thing, light["name"])
+    keep_from(thing, light.get("not_on", []))
+
+
+def keep_from(thing, surfaces):
+    """Light linking: the light falls on everything but these."""
+    if not surfaces:
+        return
+    if not hasattr(thing, "light_linking"):
+        note("%s: falls on all surfaces, light linking needs Blender 4.0" % thing.name)
+        return
+    receivers = bpy.data.collections.new(thing.name + " falls on")
+    for other in bpy.data.objects:
+        if other.get("relamp_surface") and other["relamp_surface"] not in surfaces:
+            receivers.objects.link(other)
+    thing.light_linking.receiver_collection = receivers
 
 
 def group(thing, name):
@@ -159,6 +245,7 @@ def add_surface(gltf, buffer, node):
     corners = values(gltf, buffer, part["indices"])
     thing = mesh_of(node["name"], zip(flat[0::3], flat[1::3], flat[2::3]),
                     zip(corners[0::3], corners[1::3], corners[2::3]), (0, 0, 0))
+    thing["relamp_surface"] = node["name"]
     mesh = thing.data
     normals = values(gltf, buffer, attributes["NORMAL"])
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
