@@ -16,9 +16,7 @@ Rgb albedoAt(const LiveFrame& frame, const Estimate& estimate, const Look& look,
     return look.neutralMaterials ? Rgb(luminance(albedo)) : albedo;
 }
 
-}  // namespace
-
-Rgb wantedUnder(const LightBrush& brush, const Rgb& now, float amount) {
+Rgb wantedOf(const Rgb& now, const LightBrush& brush, float amount) {
     switch (brush.kind) {
         case LightBrush::Kind::brighter: return now * std::exp2(brush.stops * amount);
         case LightBrush::Kind::darker: return now * std::exp2(-brush.stops * amount);
@@ -27,6 +25,8 @@ Rgb wantedUnder(const LightBrush& brush, const Rgb& now, float amount) {
     const float level = luminance(brush.colour);
     return level > 0 ? glm::mix(now, brush.colour * (luminance(now) / level), amount) : now;
 }
+
+}  // namespace
 
 LightGoal brushedGoal(const LiveFrame& frame, const Estimate& estimate, const Look& look,
                       std::span<const PaintedVertex> painted, const LightBrush& brush, const PaintedLights& lights) {
@@ -64,7 +64,7 @@ LightGoal brushedGoal(const LiveFrame& frame, const Estimate& estimate, const Lo
             rest -= light;
         }
         goal.weight.push_back(amount[v] > 0 ? amount[v] : still);
-        goal.target.push_back(wantedUnder(brush, now, amount[v]));
+        goal.target.push_back(wantedOf(now, brush, amount[v]));
         goal.rest.push_back(glm::max(rest, Rgb(0)));
     }
     return goal;

@@ -19,9 +19,6 @@ struct LightBrush {
     float stillness = 1;  ///< how much what was not painted stays: all of it together, in parts of what was painted
 };
 
-/// What a surface of radiance `now` is to have where `amount` of the brush's change is wanted, 0 to 1.
-Rgb wantedUnder(const LightBrush& brush, const Rgb& now, float amount);
-
 /// A vertex of the live mesh under the brush.
 struct PaintedVertex {
     uint32_t vertex = 0;

@@ -26,16 +26,6 @@ float meanTarget(const LightGoal& goal) {
     return std::max(float(sum / weight), 1e-20f);
 }
 
-/// Of squared relative errors; a twentieth of the mean is as dark as counts.
-std::vector<float> certaintyOf(const LightGoal& goal, float mean) {
-    std::vector<float> certainty(goal.points());
-    for (size_t i = 0; i < goal.points(); ++i) {
-        const float level = luminance(goal.target[i]) + 0.05f * mean;
-        certainty[i] = goal.weight[i] / (level * level);
-    }
-    return certainty;
-}
-
 /// Solves for channels [from, to) together.
 void solveChannels(const LightGoal& goal, const std::vector<float>& certainty, float keep, int from, int to,
                    std::vector<Rgb>& scale) {
@@ -70,24 +60,15 @@ void solveChannels(const LightGoal& goal, const std::vector<float>& certainty, f
 
 }  // namespace
 
-std::vector<double> goalErrors(const LightGoal& goal, const std::vector<Rgb>& scale) {
-    check(goal);
-    const std::vector<float> certainty = certaintyOf(goal, meanTarget(goal));
-    std::vector<double> errors;
-    errors.reserve(3 * goal.points());
-    for (size_t i = 0; i < goal.points(); ++i) {
-        Rgb is = goal.rest[i];
-        for (size_t a = 0; a < goal.lights(); ++a) is += scale[a] * goal.response[a][i];
-        const double root = std::sqrt(double(certainty[i]));
-        for (int c = 0; c < 3; ++c) errors.push_back(root * double(is[c] - goal.target[i][c]));
-    }
-    return errors;
-}
-
 LightGoalAnswer reachGoal(const LightGoal& goal, const LightGoalOptions& options) {
     check(goal);
     const float mean = meanTarget(goal);
-    const std::vector<float> certainty = certaintyOf(goal, mean);
+    // Squared relative errors; a twentieth of the mean is as dark as counts.
+    std::vector<float> certainty(goal.points());
+    for (size_t i = 0; i < goal.points(); ++i) {
+        const float level = luminance(goal.target[i]) + 0.05f * mean;
+        certainty[i] = goal.weight[i] / (level * level);
+    }
     LightGoalAnswer out;
     out.scale = goal.present;
     if (options.colour)

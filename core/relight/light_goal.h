@@ -38,8 +38,4 @@ struct LightGoalAnswer {
 /// lights^2. Throws Error when the lists differ in length or nothing counts.
 LightGoalAnswer reachGoal(const LightGoal& goal, const LightGoalOptions& options = {});
 
-/// What reachGoal() makes small, at scales that are given: three errors a point, each over the wanted radiance and
-/// times the root of the point's weight.
-std::vector<double> goalErrors(const LightGoal& goal, const std::vector<Rgb>& scale);
-
 }  // namespace relamp

@@ -23,7 +23,7 @@ KINDS = {
     "spot, soft cone, focus": {"shape": "spot", "size": [0.03],
                                "shaping": {"cone_degrees": 30, "cone_softness": 0.6, "focus": 4}},
     "IES profile on a sphere": {"shape": "sphere", "size": [0.04], "shaping": {"ies_file": "batwing.ies"}},
-    "gobo": {"shape": "spot", "size": [0.01], "shaping": {"cone_degrees": 28, "gobo_file": "gobo.png"}},
+    "gobo": {"shape": "spot", "size": [0.01], "shaping": {"cone_degrees": 28, "gobo_file": "gobo.exr"}},
     "image on a rectangle": {"shape": "rectangle", "size": [0.3, 0.2], "shaping": {"surface_file": "softbox.exr"}},
     "barn doors": {"shape": "rectangle", "size": [0.2, 0.1],
                    "shaping": {"left_door_degrees": 30, "right_door_degrees": 60, "top_door_degrees": -10}},
@@ -53,7 +53,7 @@ def make_files(folder):
             file.write(" ".join("%.3f" % x for x in row) + "\n")
     y, x = np.mgrid[0:256, 0:256] / 256.0
     leaves = ((np.sin(19 * x + 3 * np.sin(11 * y)) * np.sin(17 * y + 2 * np.sin(7 * x))) > 0).astype(float)
-    write(folder + "/gobo.png", np.stack([leaves, 0.3 + 0.7 * leaves, leaves * x], -1))
+    write(folder + "/gobo.exr", np.stack([leaves, 0.3 + 0.7 * leaves, leaves * x], -1))
     y, x = np.mgrid[0:96, 0:144] / 96.0
     hot = 0.2 + 3 * np.exp(-((x - 0.5) ** 2 + (y - 0.35) ** 2) * 18)
     write(folder + "/softbox.exr", np.stack([hot, 0.8 * hot, 0.3 + 0.5 * y * hot], -1))

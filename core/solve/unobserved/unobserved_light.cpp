@@ -13,9 +13,9 @@ namespace {
 
 constexpr int coarseLevel = 2, finalLevel = 3;
 constexpr size_t refined = 6;
-/// A panel's intensity is a cosine; a spot's falls off faster.
-constexpr float lobePowers[] = {1, 4};
-constexpr double leastLobeGain = 0.02;  ///< fraction of the misfit by which one that shines to one side is better
+constexpr float lobePowers[] = {1, 4};  ///< a panel's intensity is a cosine; a spot's falls off faster
+constexpr float radii[] = {0.05f, 0.1f, 0.15f, 0.2f, 0.3f};  ///< in parts of the distance
+constexpr double leastShapeGain = 0.01;  ///< fraction of the misfit by which each further shape is to be better
 constexpr float farAway = 6;  ///< times the reach of the points: beyond, fall-off and parallax are lost in texture
 
 /// The middle of the points and how far they reach.
@@ -128,7 +128,7 @@ private:
     /// A light that is taken for real while others are looked for.
     struct Likely {
         Vec3 place{0};
-        EmissionLobe lobe{};
+        LightShape shape{};
         std::vector<Vec3> along;  ///< the best places at other distances
         double gain = 0;          ///< fraction of the misfit that it explains, when it was found
     };
@@ -154,7 +154,7 @@ private:
     std::optional<UnobservedLightFit> bestPlace(const std::vector<Likely>& likely);
     std::optional<Likely> next(const std::vector<Likely>& likely);
     UnobservedLightFit atItsDistance(const UnobservedLightData& dense, const UnobservedLightFit& from, Likely& out);
-    UnobservedLightFit shinesOneWay(const UnobservedLightData& dense, const UnobservedLightFit& even);
+    UnobservedLightFit shapedLight(const UnobservedLightData& dense, const UnobservedLightFit& even);
     Judged judged(const std::vector<Likely>& likely, size_t of) const;
     UnobservedLight lightOf(const std::vector<Likely>& likely, size_t of, const Judged& judgement);
     std::string wordsOf(const UnobservedLight& light, const Judged& judgement) const;
@@ -165,7 +165,7 @@ UnobservedLightData LightSearch::with(const UnobservedLightData& base, const std
     UnobservedLightData data = base;
     for (const Vec3& place : distant_) addKnownPlace(scene_, place, {}, data);
     for (size_t i = 0; i < likely.size(); ++i)
-        if (i != without) addKnownPlace(scene_, likely[i].place, likely[i].lobe, data);
+        if (i != without) addKnownPlace(scene_, likely[i].place, likely[i].shape, data);
     return data;
 }
 
@@ -229,30 +229,42 @@ UnobservedLightFit LightSearch::atItsDistance(const UnobservedLightData& dense, 
     return polished.misfit < best.misfit ? polished : best;
 }
 
-/// The same light as one whose radiance is a power of the cosine to an axis, where that explains clearly more. It
-/// stands elsewhere then: one that faces the scene seems nearer while it is taken to shine alike in all directions.
-UnobservedLightFit LightSearch::shinesOneWay(const UnobservedLightData& dense, const UnobservedLightFit& even) {
-    UnobservedLightFit best = even;
-    double least = even.misfit;
-    progress_.begin("Which way the unobserved light shines", std::size(lobePowers));
+/// The same light larger, or as one whose radiance is a power of the cosine to an axis, where that explains clearly
+/// more. It stands elsewhere then: one that faces the scene seems nearer while it is taken to shine alike in all
+/// directions, and a small one nearer or farther than a large one with the same soft shadows.
+UnobservedLightFit LightSearch::shapedLight(const UnobservedLightData& dense, const UnobservedLightFit& plain) {
+    const float distance = glm::length(plain.place - extent_.middle);
+    const Eigen::Index known = dense.rows.cols();
+    const auto better = [&](const UnobservedLightFit& fit, const UnobservedLightFit& than) {
+        logInfo("unobserved light of {:.3f} m, cosine to the power of {:g}: at {}, misfit {:.4f}, plain {:.4f}",
+                fit.shape.radius, fit.shape.lobe.power, placeInWords(fit.place), fit.misfit, plain.misfit);
+        return fit.misfit < (1 - leastShapeGain) * than.misfit && !seenEmpty(capture_, samples_, fit.place, bright_) &&
+               gainCertainty(dense, plain, fit) > 2;
+    };
+    progress_.begin("What shape the unobserved light has", std::size(lobePowers) + std::size(radii));
+    UnobservedLightFit large = plain;
+    for (const float part : radii) {
+        progress_.advance();
+        LightShape shape;
+        shape.radius = part * distance;
+        UnobservedLightFit fit = searchAround(scene_, dense, large.place, extent_.middle, large.light, 0.06f, 0.005f,
+                                              false, progress_, shape);
+        if (better(fit, large)) large = std::move(fit);
+    }
+    UnobservedLightFit best = large;
     for (const float power : lobePowers) {
         progress_.advance();
-        UnobservedLightFit fit = aimedLight(scene_, dense, even.place, power, even.light.head(dense.rows.cols()));
+        UnobservedLightFit fit =
+            aimedLight(scene_, dense, large.place, power, large.shape.radius, large.light.head(known));
         if (!(fit.misfit < 1e300)) continue;
-        for (const float reach : {0.15f, 0.06f, 0.02f}) {
-            fit = searchAround(scene_, dense, fit.place, extent_.middle, fit.light, reach, reach / 6, false, progress_,
-                               fit.lobe);
-            UnobservedLightFit aimed = aimedLight(scene_, dense, fit.place, power, fit.light.head(dense.rows.cols()));
+        for (const float reach : {0.12f, 0.04f}) {
+            fit = searchAround(scene_, dense, fit.place, extent_.middle, fit.light, reach, reach / 8, false, progress_,
+                               fit.shape);
+            UnobservedLightFit aimed =
+                aimedLight(scene_, dense, fit.place, power, fit.shape.radius, fit.light.head(known));
             if (aimed.misfit < fit.misfit) fit = std::move(aimed);
         }
-        logInfo("unobserved light with a cosine to the power of {:g}: at {}, misfit {:.4f}, even {:.4f}", power,
-                placeInWords(fit.place), fit.misfit, even.misfit);
-        if (seenEmpty(capture_, samples_, fit.place, bright_)) continue;
-        const bool clearly = fit.misfit < (1 - leastLobeGain) * even.misfit && gainCertainty(dense, even, fit) > 2;
-        if (clearly && fit.misfit < least) {
-            least = fit.misfit;
-            best = std::move(fit);
-        }
+        if (better(fit, large) && fit.misfit < best.misfit) best = std::move(fit);
     }
     return best;
 }
@@ -263,9 +275,11 @@ std::optional<LightSearch::Likely> LightSearch::next(const std::vector<Likely>& 
     UnobservedLightData dense = with(dense_, likely);
     const UnobservedLightFit without = fitted(dense);
     Likely out;
-    const UnobservedLightFit found = shinesOneWay(dense, atItsDistance(dense, *place, out));
+    UnobservedLightFit found = atItsDistance(dense, *place, out);
+    // Far from what counts, its shape does not help.
+    if (found.misfit < (1 - 0.5 * double(options_.leastOwnGain)) * without.misfit) found = shapedLight(dense, found);
     out.place = found.place;
-    out.lobe = found.lobe;
+    out.shape = found.shape;
     out.gain = 1 - found.misfit / std::max(without.misfit, 1e-300);
     return out;
 }
@@ -274,7 +288,7 @@ std::optional<LightSearch::Likely> LightSearch::next(const std::vector<Likely>& 
 LightSearch::Judged LightSearch::judged(const std::vector<Likely>& likely, size_t of) const {
     UnobservedLightData data = with(fine_, likely, of);
     const UnobservedLightFit without = fitted(data);
-    const Eigen::VectorXd column = pointLightColumn(scene_, data, likely[of].place, 8, likely[of].lobe);
+    const Eigen::VectorXd column = pointLightColumn(scene_, data, likely[of].place, 8, likely[of].shape);
     Judged out;
     out.fit = fitUnobservedLight(data, &column, without.light, 20);
     out.without = without.misfit;
@@ -286,16 +300,17 @@ LightSearch::Judged LightSearch::judged(const std::vector<Likely>& likely, size_
 UnobservedLight LightSearch::lightOf(const std::vector<Likely>& likely, size_t of, const Judged& judgement) {
     UnobservedLightData dense = with(dense_, likely, of);
     const UnobservedLightFit without = fitted(dense);
-    const Eigen::VectorXd column = pointLightColumn(scene_, dense, likely[of].place, 8, likely[of].lobe);
+    const Eigen::VectorXd column = pointLightColumn(scene_, dense, likely[of].place, 8, likely[of].shape);
     UnobservedLightFit best = fitUnobservedLight(dense, &column, without.light, 6);
     best.place = likely[of].place;
-    best.lobe = likely[of].lobe;
+    best.shape = likely[of].shape;
     progress_.begin("How sure its place is", 1);
     UnobservedLight light;
     light.covariance =
         positionCovariance(scene_, dense, extent_.middle, likely[of].along, options_.seed, best, progress_);
     light.position = best.place;
-    light.lobe = best.lobe;
+    light.lobe = best.shape.lobe;
+    light.radius = best.shape.radius;
     light.fraction = float(judgement.fit.fraction);
     const Vec3 away = light.position - extent_.middle;
     light.distance = glm::length(away);
@@ -337,7 +352,7 @@ UnobservedLightSearch LightSearch::run() {
         UnobservedLightData dense = with(dense_, likely, i);
         const UnobservedLightFit without = fitted(dense);
         likely[i].place = searchAround(scene_, dense, likely[i].place, extent_.middle, without.light, 0.08f, 0.004f,
-                                       false, progress_, likely[i].lobe)
+                                       false, progress_, likely[i].shape)
                               .place;
     }
     // Those that the others explain as well go, the least certain first.

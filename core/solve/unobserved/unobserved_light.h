@@ -32,6 +32,7 @@ struct UnobservedLight {
     float distanceSigma = 0;  ///< standard deviation of ln distance
     float fraction = 0;       ///< of the light on the surfaces
     EmissionLobe lobe{};      ///< where it shines to one side
+    float radius = 0;         ///< metres, of one whose shadows are soft; 0: not told from a point
     double certainty = 0;  ///< what it explains beside the others, in standard errors counted over parts of the scene
 };
 

@@ -162,17 +162,36 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
     return data;
 }
 
+namespace {
+
+/// Eight places that stand for a light of radius 1: the corners of a cube, or of one that shines to one side two
+/// squares on a disk across its axis.
+std::array<Vec3, 8> placesOver(const EmissionLobe& lobe) {
+    std::array<Vec3, 8> places;
+    const Mat3 frame = frameAround(lobe.axis);
+    for (int k = 0; k < 8; ++k) {
+        const float turn = float(k) * pi / 4, out = k & 1 ? 0.9f : 0.45f;
+        places[size_t(k)] = lobe.even()
+                                ? Vec3(k & 1 ? 0.577f : -0.577f, k & 2 ? 0.577f : -0.577f, k & 4 ? 0.577f : -0.577f)
+                                : frame * Vec3(out * std::cos(turn), out * std::sin(turn), 0);
+    }
+    return places;
+}
+
+}  // namespace
+
 Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& data, const Vec3& place, int rays,
-                                 const EmissionLobe& lobe) {
+                                 const LightShape& shape) {
     const size_t n = data.positions.size();
     Eigen::VectorXd column = Eigen::VectorXd::Zero(Eigen::Index(n));
     // Only ratios count, so the unit is free. Nearer than a hundredth of the scene nothing grows brighter.
     const double nearest = 0.01 * double(scene.diagonal), unit = double(scene.diagonal) * double(scene.diagonal) / piD;
+    const std::array<Vec3, 8> over = placesOver(shape.lobe);
     for (size_t i = 0; i < n; ++i) {
         const Vec3 to = place - data.positions[i];
         const double d2 = std::max(double(glm::dot(to, to)), nearest * nearest),
                      cosine = double(glm::dot(to, data.normals[i])) / std::sqrt(d2);
-        const double sent = double(lobe.at(-to / float(std::sqrt(d2))));
+        const double sent = double(shape.lobe.at(-to / float(std::sqrt(d2))));
         if (!(cosine > 0 && sent > 0)) continue;
         const Vec3 origin = rayOrigin(scene, data.positions[i], data.normals[i]);
         float open = 0;
@@ -183,13 +202,11 @@ Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& 
         } else {
             // A ball of two hundredths of the distance: a soft edge, so that a small step of the emitter is a small
             // change.
-            const float radius = 0.02f * std::sqrt(float(d2));
+            const float radius = shape.radius > 0 ? shape.radius : 0.02f * std::sqrt(float(d2));
             Ray bundle[8];
             const int count = std::min(rays, 8);
             for (int k = 0; k < count; ++k) {
-                const Vec3 target = place + radius * Vec3(k & 1 ? 0.577f : -0.577f, k & 2 ? 0.577f : -0.577f,
-                                                          k & 4 ? 0.577f : -0.577f),
-                           straight = target - origin;
+                const Vec3 straight = place + radius * over[size_t(k)] - origin;
                 const float length = std::max(glm::length(straight), 1e-30f);
                 bundle[k] = {origin, straight / length, 0, length};
             }

@@ -200,8 +200,8 @@ Vec3 linearAxis(const UnobservedLightData& data, const Eigen::VectorXd& even, co
 
 }  // namespace
 
-void addKnownPlace(const Scene& scene, const Vec3& place, const EmissionLobe& lobe, UnobservedLightData& data) {
-    const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, lobe);
+void addKnownPlace(const Scene& scene, const Vec3& place, const LightShape& shape, UnobservedLightData& data) {
+    const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, shape);
     const Eigen::VectorXd start = startWith(data, column, data.start);
     data.rows = withColumn(data, &column);
     data.start = start;
@@ -256,14 +256,14 @@ UnobservedLightFit fitUnobservedLight(const UnobservedLightData& data, const Eig
 
 UnobservedLightFit searchAround(const Scene& scene, const UnobservedLightData& data, const Vec3& first,
                                 const Vec3& middle, const Eigen::VectorXd& start, float reach, float least,
-                                bool sideways, Progress& progress, const EmissionLobe& lobe) {
+                                bool sideways, Progress& progress, const LightShape& shape) {
     const auto fitAt = [&](const Vec3& place, const Eigen::VectorXd& from) {
-        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, lobe);
+        const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, shape);
         UnobservedLightFit fit;
         fit.misfit = 1e300;
         if (column.sum() > 0) fit = fitUnobservedLight(data, &column, from, 4);
         fit.place = place;
-        fit.lobe = lobe;
+        fit.shape = shape;
         return fit;
     };
     UnobservedLightFit best = fitAt(first, start);
@@ -294,8 +294,8 @@ UnobservedLightFit searchAround(const Scene& scene, const UnobservedLightData& d
 }
 
 UnobservedLightFit aimedLight(const Scene& scene, const UnobservedLightData& data, const Vec3& place, float power,
-                              const Eigen::VectorXd& start) {
-    const Eigen::VectorXd even = pointLightColumn(scene, data, place, 8);
+                              float radius, const Eigen::VectorXd& start) {
+    const Eigen::VectorXd even = pointLightColumn(scene, data, place, 8, {{}, radius});
     const std::vector<Vec3> away = directionsFrom(data, place);
     const auto fitFor = [&](const Vec3& axis, const Eigen::VectorXd& from) {
         const EmissionLobe lobe{axis, power};
@@ -305,18 +305,18 @@ UnobservedLightFit aimedLight(const Scene& scene, const UnobservedLightData& dat
         fit.misfit = 1e300;
         if (column.sum() > 0) fit = fitUnobservedLight(data, &column, from, 4);
         fit.place = place;
-        fit.lobe = lobe;
+        fit.shape = {lobe, radius};
         return fit;
     };
     const UnobservedLightFit first = fitUnobservedLight(data, &even, start, 4);
     UnobservedLightFit best = fitFor(linearAxis(data, even, away, first), first.light.head(data.rows.cols()));
     for (float step = 0.4f; step > 0.04f && best.misfit < 1e300;) {
-        const Mat3 frame = frameAround(best.lobe.axis);
+        const Mat3 frame = frameAround(best.shape.lobe.axis);
         std::vector<UnobservedLightFit> tries(6);
         parallelFor(tries.size(), 1, [&](size_t i) {
             const float turn = float(i) * pi / 3;
             const Vec3 aside = frame * Vec3(std::cos(turn), std::sin(turn), 0);
-            tries[i] = fitFor(glm::normalize(best.lobe.axis + step * aside), best.light);
+            tries[i] = fitFor(glm::normalize(best.shape.lobe.axis + step * aside), best.light);
         });
         const auto bestTry = std::min_element(
             tries.begin(), tries.end(),
@@ -403,11 +403,11 @@ glm::dmat3 positionCovariance(const Scene& scene, const UnobservedLightData& dat
             const Vec3 d = reach * Vec3(normal(3 * i), normal(3 * i + 1), normal(3 * i + 2));
             const Vec3 place = i < around ? middle + std::exp(d.z) * (away + distance * (frame * Vec3(d.x, d.y, 0)))
                                           : more[i - around];
-            const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, best.lobe);
+            const Eigen::VectorXd column = pointLightColumn(scene, data, place, 8, best.shape);
             if (!(column.sum() > 0)) return;
             tries[i] = fitUnobservedLight(data, &column, best.light, 4);
             tries[i].place = place;
-            tries[i].lobe = best.lobe;
+            tries[i].shape = best.shape;
             lost[i] = partsOf(data, misfits(data, withColumn(data, &column) * tries[i].light));
         },
         &progress);

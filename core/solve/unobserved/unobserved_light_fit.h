@@ -32,22 +32,28 @@ UnobservedLightData unobservedLightData(const Scene& scene, const RadianceSample
                                         const EmitterClusters& clusters, int level, size_t pairs, uint64_t seed,
                                         Progress& progress);
 
-/// What a point emitter at `place` gives each point, with shadows: `rays` to a small ball about it, or one to the place
+/// What an emitter is besides its place.
+struct LightShape {
+    EmissionLobe lobe{};
+    float radius = 0;  ///< metres: shadows have soft edges; 0: two hundredths of the distance
+};
+
+/// What a point emitter at `place` gives each point, with shadows: `rays` to a ball about it, or one to the place
 /// itself when 0.
 Eigen::VectorXd pointLightColumn(const Scene& scene, const UnobservedLightData& data, const Vec3& place, int rays,
-                                 const EmissionLobe& lobe = {});
+                                 const LightShape& shape = {});
 
 struct UnobservedLightFit {
     Eigen::VectorXd light;   ///< leaves, emitters, and the emitter looked for if there is one
     Eigen::VectorXd column;  ///< its column; empty without
     Vec3 place{0};
-    EmissionLobe lobe{};
+    LightShape shape{};
     double misfit = 0;    ///< robust, mean over the pairs, in variances
     double fraction = 0;  ///< of the light on the points that comes from the emitter
 };
 
 /// An emitter at a place that is given joins the known ones; how bright it is, is not known.
-void addKnownPlace(const Scene& scene, const Vec3& place, const EmissionLobe& lobe, UnobservedLightData& data);
+void addKnownPlace(const Scene& scene, const Vec3& place, const LightShape& shape, UnobservedLightData& data);
 
 /// Widens the pairs' variances, those of each component of the mesh by a factor, to what is left of its near pairs
 /// under a fit: texture and errors of the mesh. Near pairs speak for far ones, because half of those may span the very
@@ -63,11 +69,11 @@ UnobservedLightFit fitUnobservedLight(const UnobservedLightData& data, const Eig
 /// stays): a shadow's edge moves in jumps that no derivative knows.
 UnobservedLightFit searchAround(const Scene& scene, const UnobservedLightData& data, const Vec3& first,
                                 const Vec3& middle, const Eigen::VectorXd& start, float reach, float least,
-                                bool sideways, Progress& progress, const EmissionLobe& lobe = {});
+                                bool sideways, Progress& progress, const LightShape& shape = {});
 /// The best axis for an emitter at `place` whose radiance is a power of the cosine to it: what a power of 1 needs,
-/// which is linear in the axis, improved by trying others about it. The power stays.
+/// which is linear in the axis, improved by trying others about it. Power and radius stay.
 UnobservedLightFit aimedLight(const Scene& scene, const UnobservedLightData& data, const Vec3& place, float power,
-                              const Eigen::VectorXd& start);
+                              float radius, const Eigen::VectorXd& start);
 /// Light and place together, from `place` on.
 UnobservedLightFit refineUnobservedLight(const Scene& scene, const UnobservedLightData& data, const Vec3& place,
                                          const Eigen::VectorXd& start, int iterations, Progress& progress);
