@@ -48,11 +48,11 @@ struct UnobservedLightSearch {
 /// point emitter is tried at some 1500 places around and in the scene, at each with its power and all other light
 /// solved for; the best places are improved by trying others around them, because a shadow's edge moves in jumps, and
 /// then by Gauss-Newton on position and light together, shadows traced anew at every step. Then it is tried as one
-/// whose radiance is a power of the cosine to an axis. Further emitters are looked for with those found among what is
-/// known, while they explain more; then each moves to where it is best beside the others, and those that the others
-/// explain as well are dropped. The covariance is a bootstrap over parts of the scene (boxes of a fifth of its extent),
-/// because neighbouring points err alike. Places that a photograph shows to be empty are left out. Light from too far
-/// away to have a place joins the environment. Cost: 10 to 60 s of CPU an emitter. Throws Cancelled.
+/// whose radiance is a power of the cosine to an axis, and larger. Further emitters are looked for with those found
+/// among what is known, while they explain more; then each moves to where it is best beside the others, and those that
+/// the others explain as well are dropped. The covariance is a bootstrap over parts of the scene (boxes of a fifth of
+/// its extent), because neighbouring points err alike. Places that a photograph shows to be empty are left out. Light
+/// from too far away to have a place joins the environment. Cost: 10 s to 3 min of CPU an emitter. Throws Cancelled.
 UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                            const EmitterClusters& clusters, const UnobservedLightOptions& options,
                                            Progress& progress);
