@@ -363,7 +363,7 @@ UnobservedLightSearch LightSearch::run() {
         const auto worst = std::min_element(judgements.begin(), judgements.end(),
                                             [](const Judged& a, const Judged& b) { return a.certainty < b.certainty; });
         const bool real = worst->certainty >= 2 && worst->gain >= double(options_.leastOwnGain) &&
-                          worst->fit.fraction >= double(options_.leastFraction) / double(likely.size());
+                          worst->fit.fraction >= double(options_.leastFraction);
         if (likely.size() == 1 || real) break;
         logInfo("unobserved light at {}: {:.1f} standard errors beside the others, left out",
                 placeInWords(likely[size_t(worst - judgements.begin())].place), worst->certainty);

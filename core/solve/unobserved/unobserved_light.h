@@ -17,8 +17,8 @@ struct UnobservedLightOptions {
     size_t pairs = 5000;          ///< of points of probably equal albedo, looked at while places are compared
     size_t finalPairs = 20000;    ///< and for the answer
     float leastGain = 0.05f;      ///< fraction of the misfit that emitters must explain to be taken for real
-    float leastOwnGain = 0.02f;   ///< and each of several beside the others
-    float leastFraction = 0.05f;  ///< of the light on the surfaces that one must give, of n a fraction of 1 / n of it
+    float leastOwnGain = 0.05f;   ///< and each of several beside the others
+    float leastFraction = 0.05f;  ///< of the light on the surfaces that each must give
     size_t most = 6;              ///< emitters
 };
 
