@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "render_frames.h"
 #include "shot/export_frame.h"
+#include "shot/other_photographs.h"
 #include "shot/relit_looks.h"
 #include "shot/shot_file.h"
 #include "shot/shot_hash.h"
@@ -68,11 +69,10 @@ int render(const RenderArguments& a, Progress& progress) {
     std::vector<FrameJob> jobs;
     try {
         jobs = frameJobs(shot.capture, a.camera.empty() ? "0" : a.camera, a.frames, a.size, a.output);
-        const bool needsPhotograph = fileOptions.ratio != Ratio::none || (request.residual && !request.all);
         for (const FrameJob& job : jobs)
-            if (needsPhotograph && (job.view < 0 || job.resized))
-                throw BadOption("{}: needs a photograph: --camera a view's number or all, without --size",
-                                fileOptions.ratio != Ratio::none ? "--ratio" : "--layers residual");
+            if (request.residual && !request.all && (job.view < 0 || job.resized))
+                throw BadOption(
+                    "--layers residual: needs a photograph: --camera a view's number or all, without --size");
     } catch (const BadOption& error) { throw UsageError(error.what()); }
     if (jobs.front().still && !track.moves())
         logWarning(
@@ -88,6 +88,7 @@ int render(const RenderArguments& a, Progress& progress) {
     RelitLooks looks(shot, scene, track);
     looks.base(state);
     Photographs taken(shot);
+    StatePhotographs others(shot.capture, shot.captureFolder, shot.fix, state);
     FrameOptions options;
     options.seed = a.seed;
     options.denoise = a.denoise == "on" || (a.denoise == "auto" && fileOptions.ratio == Ratio::none);
@@ -103,6 +104,9 @@ int render(const RenderArguments& a, Progress& progress) {
         if (const View* view = photographs ? taken.of(job, progress) : nullptr) {
             sources.photograph = &view->image;
             sources.saturation = view->saturation;
+        } else if (fileOptions.ratio != Ratio::none) {
+            if (!ofView) ofView = others.state();
+            sources.others = &others.in(ofView, looks.captured(progress, ofView), progress);
         }
         if (fileOptions.ratio != Ratio::none || request.residual || request.correction)
             sources.captured = &looks.captured(progress, ofView);

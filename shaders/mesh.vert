@@ -9,11 +9,12 @@ uniform int orthographic;
 uniform int shading;     // 0: colours as they are, 1: a soft light at the eye, so that form stays readable
 out vec3 vertexColour;
 out vec3 place;
+out float shade;
 invariant gl_Position;  // as in seen.vert, to the bit
 
 void main() {
     gl_Position = clipFromWorld * vec4(position, 1.0);
-    float shade = 1.0;
+    shade = 1.0;
     if (shading == 1) {
         vec3 towardEye = orthographic == 1 ? eye : normalize(eye - position);
         shade = 0.42 + 0.58 * abs(dot(normal, towardEye));

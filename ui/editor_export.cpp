@@ -7,6 +7,7 @@
 #include "plate/plate_file.h"
 #include "shot/export_frame.h"
 #include "shot/frame_jobs.h"
+#include "shot/other_photographs.h"
 #include "shot/relit_looks.h"
 #include "viewport/display_transform.h"
 #include "viewport/navigation.h"
@@ -137,6 +138,7 @@ private:
     FrameFileOptions fileOptions_;
     LayerRequest layers_;
     std::optional<PhotographReader> photographs_;
+    std::optional<StatePhotographs> others_;
 
     void refuseInputs(Progress& progress) const;
     void writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter* plates, Progress& progress);
@@ -189,6 +191,11 @@ void ExportWork::writeOne(const FrameJob& job, RelitLooks& looks, PlateRelighter
     }
     std::optional<size_t> state;  // of the photograph; what is shown counts from lights as bright as they get
     if (job.view >= 0) state = document.capture->views[size_t(job.view)].state;
+    if (fileOptions_.ratio != Ratio::none && !sources.photograph && isThere(document.captureFolder)) {
+        if (!others_) others_.emplace(*document.capture, document.captureFolder, document.fix, std::nullopt);
+        if (!state) state = others_->state();
+        sources.others = &others_->in(state, looks.captured(progress, state), progress);
+    }
     if (fileOptions_.ratio != Ratio::none || layers_.residual || layers_.correction)
         sources.captured = &looks.captured(progress, state);
     writeFrameFile(job.file, job.camera, sources, options_, fileOptions_, progress);

@@ -73,12 +73,14 @@ Image differenceOf(const Image& image, const Image& reference, float exposure) {
     return out;
 }
 
+Rgb tintOf(const Rgb& albedo) {
+    const float y = luminance(albedo);
+    return (y > 0.002f ? albedo / y : Rgb(1)) * 0.3f;
+}
+
 std::vector<Rgb> tintsOf(const std::vector<Rgb>& albedo, const std::vector<float>& alpha) {
     std::vector<Rgb> tints(albedo.size());
-    for (size_t i = 0; i < tints.size(); ++i) {
-        const float y = luminance(albedo[i]);
-        tints[i] = (y > 0.002f ? albedo[i] / y : Rgb(1)) * (0.3f * alpha[i]);
-    }
+    for (size_t i = 0; i < tints.size(); ++i) tints[i] = tintOf(albedo[i]) * alpha[i];
     return tints;
 }
 

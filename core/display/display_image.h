@@ -26,6 +26,7 @@ Image differenceOf(const Image& image, const Image& reference, float exposure);
 
 /// What is left of surface colours when their brightness is divided out: luminance 0.3 where a surface is (times its
 /// coverage), grey where there is no tint. Colours darker than 0.002 count as neutral, because their tint is noise.
+Rgb tintOf(const Rgb& albedo);
 std::vector<Rgb> tintsOf(const std::vector<Rgb>& albedo, const std::vector<float>& alpha);
 
 /// An image over a flat colour by its coverage.

@@ -38,6 +38,7 @@ public:
           camera_(camera),
           options_(options),
           origin_(camera.position()),
+          spread_(1 / float(std::max(camera.focalX, camera.focalY) * std::sqrt(double(options.samplesPerPixel)))),
           shader_(lights, options) {}
 
     /// Renders pixel (x, y). Stops within 64 samples.
@@ -71,7 +72,7 @@ public:
                     gather.byEmitter[size_t(e)] += emitter.emission.radiance(-d, origin_ + hit.distance * d);
                 continue;
             }
-            shader_.surfaceAt(hit, d, surface_);
+            shader_.surfaceAt(hit, d, spread_, surface_);
             albedo += surface_.albedo * fraction;
             once_.clear(relit_.emitters.size());
             shader_.gather(surface_, uint32_t(i), seed, gather, once_);
@@ -101,6 +102,7 @@ private:
     const Camera& camera_;
     const FrameOptions& options_;
     Vec3 origin_;
+    float spread_;  ///< radians that a sample stands for
     PointShader shader_;
     ShadedPoint surface_;
     Gather once_;

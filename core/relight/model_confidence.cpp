@@ -12,13 +12,8 @@ std::vector<float> modelConfidence(const RelitScene& relit, const Camera& camera
             const Vec2 pixel(float(x) + 0.5f, float(first) + float(row) + 0.5f);
             const Hit hit = relit.scene.cameraTracer->closest({eye, camera.rayDirection(pixel), 0, 1e30f});
             if (!hit) continue;
-            float& here = confidence[row * size_t(camera.width) + size_t(x)];
-            here = 1;
-            if (relit.emitterOfTriangle[hit.triangle] >= 0 || relit.confidence.empty()) continue;
-            const auto& corners = relit.scene.mesh.triangles[hit.triangle];
-            const Vec2 b = hit.barycentric;
-            here = (1 - b.x - b.y) * relit.confidence[corners[0]] + b.x * relit.confidence[corners[1]] +
-                   b.y * relit.confidence[corners[2]];
+            confidence[row * size_t(camera.width) + size_t(x)] =
+                relit.emitterOfTriangle[hit.triangle] >= 0 ? 1 : relit.confidenceAt(hit);
         }
     });
     return confidence;

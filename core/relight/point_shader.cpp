@@ -32,7 +32,7 @@ PointShader::PointShader(const SceneLights& lights, const FrameOptions& options)
         std::clamp(options.emitterSamples * 4 / int(std::max<size_t>(1, lights.lit.size())), 2, options.emitterSamples);
 }
 
-void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const {
+void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, float spread, ShadedPoint& s) const {
     const Scene& scene = relit_.scene;
     s.towardEye = -direction;
     s.position = scene.pointOf(hit);
@@ -53,7 +53,7 @@ void PointShader::surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& 
     s.lobes.clear();
     const LobesAtHit weights = relit_.weightsAt(hit);
     for (size_t k = 0; k < weights.size(); ++k) {
-        const Rgb value = k == 0 ? relit_.albedoAt(hit) : weights[k];
+        const Rgb value = k == 0 ? relit_.albedoAt(hit, direction, spread) : weights[k];
         if (k == 0) s.albedo = value;
         else if (maxChannel(value) > 1e-4f && s.eye.z > 1e-3f) s.lobes.emplace_back(k, value);
     }

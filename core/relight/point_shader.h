@@ -45,8 +45,8 @@ class PointShader {
 public:
     PointShader(const SceneLights& lights, const FrameOptions& options);
 
-    /// The point that a ray along `direction` met, ready for gather().
-    void surfaceAt(const Hit& hit, const Vec3& direction, ShadedPoint& s) const;
+    /// The point that a ray along `direction` met, ready for gather(). `spread`: as RelitScene::albedoAt has it.
+    void surfaceAt(const Hit& hit, const Vec3& direction, float spread, ShadedPoint& s) const;
 
     /// A white matte point at a vertex of the scene, and one anywhere.
     void whiteAt(uint32_t vertex, ShadedPoint& s) const;

@@ -422,4 +422,38 @@ RelitScene applyLook(const Scene& scene, const Estimate& estimate, const Look& l
     return out;
 }
 
+Rgb RelitScene::albedoAt(const Hit& hit, const Vec3& direction, float spread) const {
+    if (!hasTexels(hit.triangle)) return weightsAt(hit).albedo();
+    const auto shown = [&](const Rgb& albedo) { return neutralMaterials ? Rgb(luminance(albedo)) : albedo; };
+    const Vec2 place = placeInTexture(hit);
+    const Triangle& t = scene.mesh.triangles[hit.triangle];
+    const Vec3 first = scene.mesh.positions[t[0]], a = scene.mesh.positions[t[1]] - first,
+               b = scene.mesh.positions[t[2]] - first, normal = glm::cross(a, b);
+    const float area = glm::dot(normal, normal);
+    if (!(spread > 0) || !(area > 0)) return shown(texture->at(place));
+    // What the cone covers of the triangle's plane, an ellipse, as the rectangle around it, in texels.
+    constexpr float grazing = 0.05f;
+    const Vec3 n = normal / std::sqrt(area);
+    const float width = spread * hit.distance, cosine = glm::dot(n, direction);
+    Vec3 along = direction - cosine * n;
+    const float length = glm::length(along);
+    along = length > 1e-4f ? along / length : a / glm::length(a);
+    const bool turned = isMirrored(hit.triangle);
+    const std::array<Vec2, 3>& c = texture->corners[hit.triangle];
+    const auto inTexels = [&](const Vec3& v) {
+        const float u = glm::dot(glm::cross(v, b), normal) / area, w = glm::dot(glm::cross(a, v), normal) / area;
+        return u * (c[turned ? 2 : 1] - c[0]) + w * (c[turned ? 1 : 2] - c[0]);
+    };
+    return shown(texture->over(hit.triangle, place, inTexels(along) * (width / std::max(std::abs(cosine), grazing)),
+                               inTexels(glm::cross(n, along)) * width));
+}
+
+float RelitScene::confidenceAt(const Hit& hit) const {
+    if (hasTexels(hit.triangle) && !texture->confidence.empty()) return texture->confidenceAt(placeInTexture(hit));
+    if (confidence.empty()) return 1;
+    const Triangle& t = scene.mesh.triangles[hit.triangle];
+    const Vec2 b = hit.barycentric;
+    return (1 - b.x - b.y) * confidence[t[0]] + b.x * confidence[t[1]] + b.y * confidence[t[2]];
+}
+
 }  // namespace relamp

@@ -90,19 +90,26 @@ struct RelitScene {
     std::shared_ptr<const DistantLight> distant;
     BouncedLight bounced;  ///< empty where the estimate has none
 
-    /// Diffuse albedo at a hit: per texel where there is a texture, else between the vertices.
-    Rgb albedoAt(const Hit& hit) const {
-        if (!texture || !texture->has(hit.triangle) || (!untextured.empty() && untextured[hit.triangle]))
-            return weightsAt(hit).albedo();
-        const Vec2 b = hit.barycentric;
-        const bool turned = !mirrored.empty() && mirrored[hit.triangle];
-        const Rgb albedo = texture->at(texture->place(hit.triangle, turned ? Vec2(b.y, b.x) : b));
-        return neutralMaterials ? Rgb(luminance(albedo)) : albedo;
-    }
+    /// Diffuse albedo at a hit: per texel where there is a texture, else between the vertices. `direction` is that of a
+    /// ray that stands for a cone of `spread` radians (its whole angle): what it covers is averaged. 0: a point.
+    Rgb albedoAt(const Hit& hit, const Vec3& direction = Vec3(0), float spread = 0) const;
+    /// How far the albedo at a hit rests on photographs, in [0, 1]: AlbedoTexture::confidence, else that of the
+    /// vertices.
+    float confidenceAt(const Hit& hit) const;
 
     LobesAtVertex weightsAt(size_t vertex) const { return {weight, vertex}; }
     uint32_t componentAt(size_t vertex) const { return component.empty() ? EditedPart::none : component[vertex]; }
     LobesAtHit weightsAt(const Hit& hit) const { return {weight, scene.mesh.triangles[hit.triangle], hit.barycentric}; }
+
+private:
+    bool hasTexels(uint32_t triangle) const {
+        return texture && texture->has(triangle) && (untextured.empty() || !untextured[triangle]);
+    }
+    Vec2 placeInTexture(const Hit& hit) const {
+        const Vec2 b = hit.barycentric;
+        return texture->place(hit.triangle, isMirrored(hit.triangle) ? Vec2(b.y, b.x) : b);
+    }
+    bool isMirrored(uint32_t triangle) const { return !mirrored.empty() && mirrored[triangle]; }
 };
 
 /// `scene` is the capture's. Cost: a rebuild of the ray tracer when something moved (tens of ms). Throws Error naming

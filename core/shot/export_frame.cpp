@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "display/display_image.h"
 #include "relight/model_confidence.h"
+#include "shot/other_photographs.h"
 
 namespace relamp {
 namespace {
@@ -165,9 +166,8 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
             throw Error("{}: the plate is {} x {} pixels, the camera {} x {}", file.string(), sources.finished->width,
                         sources.finished->height, camera.width, camera.height);
     } else if (!sources.photograph) {
-        if (fileOptions.ratio != Ratio::none)
-            throw BadOption(
-                "--ratio: the camera is not one of the capture's views at its own size, so there is no photograph");
+        if (fileOptions.ratio != Ratio::none && (!sources.others || sources.others->empty()))
+            throw BadOption("--ratio: there is no photograph");
         if (request.residual && !request.all)
             throw BadOption(
                 "--layers residual: the camera is not one of the capture's views at its own size, so there is no "
@@ -191,7 +191,7 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
     if (needsCaptured) before.emplace(captured, camera, options);
     RatioOptions ratio{fileOptions.ratio};
     ratio.saturation = sources.saturation;
-    if (ratioed) ratio.floor = ratioFloor(*sources.photograph);
+    if (ratioed) ratio.floor = sources.photograph ? ratioFloor(*sources.photograph) : sources.others->floor();
     progress.begin(file.filename().string(), size_t(camera.height) * (needsCaptured ? 2 : 1));
     const RowsOf rowsOf = [&](int first, int count) {
         FrameStrip strip;
@@ -206,7 +206,10 @@ double writeFrameFile(const std::filesystem::path& file, const Camera& camera, c
             for (size_t p = 0; p < model.beauty.size(); ++p) strip.residual.push_back(photo[p] - model.beauty[p]);
         }
         if (sources.finished) finish(strip, *sources.finished, first, count);
-        if (ratioed) {
+        if (ratioed && !sources.photograph) {
+            const Image seen = sources.others->rows(camera, first, model, before ? *before : renderer, progress);
+            applyRatio(ratio, seen, 0, Frame(model), strip.frame);
+        } else if (ratioed) {
             if (old) applyRatio(ratio, *sources.photograph, first, *old, strip.frame);
             else applyRatio(ratio, *sources.photograph, first, Frame(strip.frame), strip.frame);
         }

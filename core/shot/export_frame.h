@@ -15,6 +15,8 @@
 
 namespace relamp {
 
+class OtherPhotographs;
+
 /// What PNG and JPEG show of scene-linear radiance.
 enum class DisplayView {
     standard,   ///< exposed by one stop-factor, clipped, sRGB curve
@@ -56,11 +58,12 @@ struct FrameFileOptions {
 /// and the correction is that of the look.
 struct FrameSources {
     const RelitScene* look = nullptr;
-    const RelitScene* captured = nullptr;  ///< the light as photographed; may be the same scene as `look`
-    const Image* photograph = nullptr;     ///< of the camera, at its size
-    const Image* finished = nullptr;       ///< the beauty, relit already (a plate): light groups are scaled to it
-    float saturation = 0;                  ///< of the photograph: clipped from here on; 0: none
-    DVec3 origin{0};                       ///< Capture::origin: added to positions and the header's cameras
+    const RelitScene* captured = nullptr;      ///< the light as photographed; may be the same scene as `look`
+    const Image* photograph = nullptr;         ///< of the camera, at its size
+    const OtherPhotographs* others = nullptr;  ///< in its place, for ratio frames: those of other cameras
+    const Image* finished = nullptr;           ///< the beauty, relit already (a plate): light groups are scaled to it
+    float saturation = 0;                      ///< of the photograph: clipped from here on; 0: none
+    DVec3 origin{0};                           ///< Capture::origin: added to positions and the header's cameras
 };
 
 /// Renders and writes the frame, whole or not at all. EXR: root RGBA and the layers asked for; PNG, JPEG, HDR: the

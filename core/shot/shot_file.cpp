@@ -137,7 +137,10 @@ void saveShot(const Shot& shot, const Mesh& mesh, const fs::path& folder, bool o
         if (exists && isThere(target / "shot.json")) keepUnknownKeys(target / "shot.json", document);
         writeEnvironments(shot.estimate, fresh);
         writeReflectance(shot, mesh, fresh);
-        if (const auto& texture = shot.estimate.reflectance.texture) writeTexture(*texture, fresh / "albedo.exr");
+        if (const auto& texture = shot.estimate.reflectance.texture) {
+            writeTexture(*texture, fresh / "albedo.exr");
+            if (!texture->confidence.empty()) writeTextureConfidence(*texture, fresh / "albedo_confidence.exr");
+        }
         writeBytesAtomically(fresh / "shot.json", dumpJson(document, 1) + "\n");
         if (!exists) {
             fs::rename(fresh, target);
@@ -283,7 +286,8 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     const ReflectanceFiles files(folder, shot.capture, shot.fix.mend.addedPositions.size());
     e.reflectance = files.reflectance(e.reflectance.basis);
     if (isThere(folder / "albedo.exr"))
-        e.reflectance.texture = readTexture(folder / "albedo.exr", files.texturedFaces(), shot.capture.mesh.triangles);
+        e.reflectance.texture = readTexture(folder / "albedo.exr", files.texturedFaces(), shot.capture.mesh.triangles,
+                                            folder / "albedo_confidence.exr");
     e.nearFieldCorrection = files.nearFieldCorrection(e.emitters.emitters.size());
     const DirectionGrid grid{e.environmentSide};
     e.environment = environmentCells(folder, environmentStem(0), grid);

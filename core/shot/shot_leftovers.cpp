@@ -99,8 +99,9 @@ bool isPartOfShot(const std::string& name) {
 }
 
 const std::vector<std::string>& shotParts() {
-    static const std::vector<std::string> parts{"shot.json",       "environment.exr", "environment_sigma.exr",
-                                                "reflectance.ply", "added.ply",       "albedo.exr"};
+    static const std::vector<std::string> parts{
+        "shot.json", "environment.exr", "environment_sigma.exr", "reflectance.ply",
+        "added.ply", "albedo.exr",      "albedo_confidence.exr"};
     return parts;
 }
 

@@ -1,8 +1,10 @@
 #include "shot/shot_texture.h"
 
 #include "base/error.h"
+#include "base/is_there.h"
 #include "image/image_io.h"
 #include "scene/texcoords.h"
+#include "texture/coarser_texels.h"
 
 namespace relamp {
 namespace {
@@ -18,6 +20,17 @@ std::array<Vec2, 3> cornersOf(const FaceTexcoords& places, const Vec2& size) {
         corners[k] = Vec2(uv.x, 1 - uv.y) * size;
     }
     return corners;
+}
+
+std::vector<uint8_t> readConfidence(const std::filesystem::path& file, const AlbedoTexture& texture) {
+    const Image image = readImage(file);
+    if (image.width != texture.width || image.height != texture.height)
+        throw Error("{}: is {} x {} pixels, expected {} x {} as the texture", file.string(), image.width, image.height,
+                    texture.width, texture.height);
+    std::vector<uint8_t> confidence;
+    confidence.reserve(image.pixels.size());
+    for (const Rgb& c : image.pixels) confidence.push_back(uint8_t(std::lround(255 * std::clamp(c.x, 0.0f, 1.0f))));
+    return confidence;
 }
 
 }  // namespace
@@ -42,9 +55,16 @@ void writeTexture(const AlbedoTexture& texture, const std::filesystem::path& fil
     writeChannels(file, texture.width, texture.height, channels);
 }
 
+void writeTextureConfidence(const AlbedoTexture& texture, const std::filesystem::path& file) {
+    std::vector<Channel> channels{{"Y", true, {}}};
+    for (const uint8_t c : texture.confidence) channels[0].values.push_back(float(c) / 255);
+    writeChannels(file, texture.width, texture.height, channels);
+}
+
 std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image,
                                                  const std::vector<TexturedFace>& textured,
-                                                 const std::vector<Triangle>& triangles) {
+                                                 const std::vector<Triangle>& triangles,
+                                                 const std::filesystem::path& confidence) {
     if (textured.empty()) return nullptr;
     Image pixels = readImage(image);
     if (pixels.width < 2 || pixels.height < 2)
@@ -56,6 +76,8 @@ std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& im
     const Vec2 size(float(pixels.width), float(pixels.height));
     for (const FaceTexcoords& places : texcoordsOf(textured, triangles))
         texture->corners.push_back(cornersOf(places, size));
+    if (!confidence.empty() && isThere(confidence)) texture->confidence = readConfidence(confidence, *texture);
+    addCoarser(*texture);
     return texture;
 }
 

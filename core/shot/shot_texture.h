@@ -1,4 +1,4 @@
-// A shot's texture: albedo.exr, and texture coordinates on the faces of reflectance.ply.
+// A shot's texture: albedo.exr and albedo_confidence.exr, and texture coordinates on the faces of reflectance.ply.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -14,10 +14,15 @@ FaceTexcoords texcoordsOf(const AlbedoTexture& texture, uint32_t triangle);
 /// Diffuse albedo as half floats, row 0 at the top. Whole or not at all; errors as writeChannels.
 void writeTexture(const AlbedoTexture& texture, const std::filesystem::path& file);
 
-/// The texture of a shot for these triangles; faces are known by their vertices, whatever their order. Null where no
-/// face has texture coordinates. Throws Error naming the file.
+/// Its confidence as half floats in [0, 1], channel Y. Whole or not at all; errors as writeChannels.
+void writeTextureConfidence(const AlbedoTexture& texture, const std::filesystem::path& file);
+
+/// The texture of a shot for these triangles, with its coarser copies; faces are known by their vertices, whatever
+/// their order. Null where no face has texture coordinates. `confidence`: the other file; where there is none it is not
+/// known. Throws Error naming the file.
 std::shared_ptr<const AlbedoTexture> readTexture(const std::filesystem::path& image,
                                                  const std::vector<TexturedFace>& faces,
-                                                 const std::vector<Triangle>& triangles);
+                                                 const std::vector<Triangle>& triangles,
+                                                 const std::filesystem::path& confidence = {});
 
 }  // namespace relamp

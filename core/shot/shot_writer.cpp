@@ -272,6 +272,7 @@ Json shotInfo(const Shot& shot) {
     const AlbedoTexture* texture = e.reflectance.texture.get();
     info["texture"] =
         texture ? Json{{"file", "albedo.exr"}, {"width", texture->width}, {"height", texture->height}} : Json();
+    if (texture && !texture->confidence.empty()) info["texture"]["confidence"] = "albedo_confidence.exr";
     info["stopped_early"] = e.cancelled;
     return info;
 }

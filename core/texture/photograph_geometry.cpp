@@ -65,7 +65,7 @@ PhotographGeometry geometryOf(const View& view, const Scene& scene, const std::v
     const Camera& camera = view.camera;
     const int width = camera.width, height = camera.height;
     const size_t pixels = size_t(width) * size_t(height);
-    PhotographGeometry g{width, height, std::vector<uint8_t>(pixels, farAway), 0};
+    PhotographGeometry g{width, height, std::vector<uint8_t>(pixels, farAway), 0, {}};
     std::vector<uint8_t>& away = g.away;
     // Distance to the nearest edge, in pixels, by the larger of the two axes.
     const float pixel = 1 / float(std::min(camera.focalX, camera.focalY));
@@ -115,8 +115,14 @@ PhotographGeometry geometryOf(const View& view, const Scene& scene, const std::v
 
 }  // namespace
 
+PhotographGeometry geometryOfView(const View& view, const Scene& scene, const std::vector<int>& emitterOfTriangle,
+                                  Progress& progress) {
+    progress.begin("What each pixel sees", size_t(view.camera.height));
+    return geometryOf(view, scene, emitterOfTriangle, surfaceSeen(view.camera, scene, progress));
+}
+
 std::vector<PhotographGeometry> photographGeometry(const Capture& capture, const Scene& scene,
-                                                   const std::vector<int>& emitterOfTriangle,
+                                                   const std::vector<int>& emitterOfTriangle, bool keepTriangles,
                                                    std::vector<float>& density, Progress& progress) {
     size_t rows = 0;
     for (const View& view : capture.views) rows += size_t(view.camera.height);
@@ -124,9 +130,10 @@ std::vector<PhotographGeometry> photographGeometry(const Capture& capture, const
     std::vector<PhotographGeometry> geometry;
     density.assign(scene.mesh.vertexCount(), 0);
     for (const View& view : capture.views) {
-        const SeenSurface seen = surfaceSeen(view.camera, scene, progress);
+        SeenSurface seen = surfaceSeen(view.camera, scene, progress);
         geometry.push_back(geometryOf(view, scene, emitterOfTriangle, seen));
         learnDensity(view.camera, scene, seen, geometry.back(), density);
+        if (keepTriangles) geometry.back().triangle = std::move(seen.triangle);
     }
     return geometry;
 }

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "base/random.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "relight/frame.h"
 #include "support/estimates.h"
 #include "support/temporary_folder.h"
+#include "texture/coarser_texels.h"
 
 namespace relamp {
 namespace {
@@ -307,6 +309,71 @@ TEST(RelitScene, ATextureGoesWithItsTrianglesAlsoWhereTheyAreMirrored) {
     look.neutralMaterials = true;
     const Rgb neutral = albedoBelow(test::relitOf(scene, estimate, look), -0.5f, 0.2f);
     EXPECT_FLOAT_EQ(neutral.x, neutral.z);
+}
+
+/// A board of light and dark squares, far away: every pixel covers many of them.
+TEST(RelitScene, TextureIsAveragedOverWhatARayStandsFor) {
+    const Mesh mesh = test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    const Scene scene = test::sceneOf(mesh);
+    Estimate estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1));
+    auto texture = std::make_shared<AlbedoTexture>();
+    texture->width = texture->height = 128;
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 128; ++x) texture->texels.push_back(Rgb((x + y) % 2 ? 0.9f : 0.1f));
+    for (const Triangle& t : mesh.triangles) {
+        texture->corners.emplace_back();
+        for (size_t k = 0; k < 3; ++k)
+            texture->corners.back()[k] = 4.0f + 120.0f * Vec2(mesh.positions[t[k]].x, mesh.positions[t[k]].y);
+    }
+    addCoarser(*texture);
+    estimate.reflectance.texture = texture;
+    Look look;
+    Mat4 mirror(1);
+    mirror[0][0] = -1;
+    look.parts.push_back({mesh.triangles[0][0], mirror, ""});
+    for (const bool mirrored : {false, true}) {
+        const RelitScene relit = test::relitOf(scene, estimate, mirrored ? look : Look{});
+        float far = 0, near = 0;
+        for (const Vec3& eye : {Vec3(0.5f, 0.5f, 40), Vec3(0.5f, -7, 2)})
+            for (uint32_t i = 0; i < 100; ++i) {
+                Vec2 p = Vec2(0.2f) + 0.6f * r2Point(i, Vec2(0));
+                if (mirrored) p.x = -p.x;
+                const Vec3 d = glm::normalize(Vec3(p, 0) - eye);
+                const Hit hit = relit.scene.cameraTracer->closest({eye, d, 0, 1e30f});
+                ASSERT_TRUE(hit);
+                // From above a cone of 8 texels; from aside one of 1 x 4.
+                const float spread = 8.0f / 120 / (eye.z > 10 ? hit.distance : 8 * hit.distance);
+                far = std::max(far, std::abs(relit.albedoAt(hit, d, spread).x - 0.5f));
+                near = std::max(near, std::abs(relit.albedoAt(hit, d, 0.01f * spread).x - 0.5f));
+                EXPECT_EQ(relit.albedoAt(hit, d, 0.01f * spread), relit.albedoAt(hit));
+            }
+        EXPECT_LT(far, 0.15f) << mirrored;
+        EXPECT_GT(near, 0.3f) << mirrored;
+    }
+}
+
+TEST(RelitScene, ConfidenceIsThatOfTheTexelsWhereThereAreSome) {
+    Mesh mesh = test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    append(mesh, test::sheet({5, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    const Scene scene = test::sceneOf(mesh);
+    Estimate estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1));
+    estimate.reflectance.confidence.assign(mesh.vertexCount(), 0.25f);
+    auto texture = std::make_shared<AlbedoTexture>();
+    texture->width = texture->height = 8;
+    texture->texels.assign(64, Rgb(0.5f));
+    for (size_t i = 0; i < 64; ++i) texture->confidence.push_back(i % 8 < 4 ? 0 : 255);
+    texture->corners.assign(mesh.triangles.size(), {Vec2(-1), Vec2(-1), Vec2(-1)});
+    for (size_t t = 0; t < 2; ++t)
+        for (size_t k = 0; k < 3; ++k)
+            texture->corners[t][k] = 8.0f * Vec2(mesh.positions[mesh.triangles[t][k]].x, 0.5f);
+    estimate.reflectance.texture = texture;
+    const RelitScene relit = test::relitOf(scene, estimate);
+    const auto below = [&](float x) {
+        return relit.confidenceAt(relit.scene.cameraTracer->closest({Vec3(x, 0.4f, 1), Vec3(0, 0, -1), 0, 1e30f}));
+    };
+    EXPECT_FLOAT_EQ(below(0.2f), 0);
+    EXPECT_FLOAT_EQ(below(0.8f), 1);
+    EXPECT_FLOAT_EQ(below(5.5f), 0.25f);
 }
 
 }  // namespace

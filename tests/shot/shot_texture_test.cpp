@@ -61,6 +61,28 @@ TEST_F(ShotTexture, WithoutTexcoordsThereIsNone) {
     EXPECT_FALSE(read(mesh.triangles));
 }
 
+TEST_F(ShotTexture, ConfidenceComesBackAndShotsWithoutItAreRead) {
+    AlbedoTexture known = texture;
+    for (size_t i = 0; i < 32; ++i) known.confidence.push_back(uint8_t(8 * i + 7));
+    const auto file = folder / "albedo_confidence.exr";
+    const auto both = [&] {
+        return readTexture(folder / "albedo.exr", readTexturedFaces(folder / "reflectance.ply"), mesh.triangles, file);
+    };
+    EXPECT_TRUE(both()->confidence.empty());
+    EXPECT_EQ(both()->confidenceAt({3, 2}), 1);
+    writeTextureConfidence(known, file);
+    EXPECT_EQ(both()->confidence, known.confidence);
+    known.width = 4;
+    known.confidence.resize(16);
+    writeTextureConfidence(known, file);
+    try {
+        both();
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("albedo_confidence.exr"), std::string::npos);
+    }
+}
+
 TEST_F(ShotTexture, BadFilesAreNamed) {
     folder.write("albedo.exr", "no picture");
     try {

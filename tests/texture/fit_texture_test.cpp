@@ -196,6 +196,48 @@ TEST(FitTexture, SeamsBetweenChartsAreNotSeen) {
     EXPECT_LT(most, 0.02);
 }
 
+/// One corner of the sheet is masked in every photograph.
+TEST(FitTexture, ConfidenceTellsWhatNoPhotographShows) {
+    PrintedSheet sheet;
+    sheet.estimate.reflectance.confidence.assign(sheet.scene.mesh.vertexCount(), 1);
+    // Views do not show the pixels that look at this corner of the sheet.
+    const auto hidden = [](const Vec3& p) { return p.x > 0.3f && p.y > 0.3f; };
+    for (View& view : sheet.capture.views) {
+        view.image.usable.assign(view.image.pixels.size(), 1);
+        for (int y = 0; y < view.image.height; ++y)
+            for (int x = 0; x < view.image.width; ++x) {
+                const Vec3 d = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+                const Vec3 p = Vec3(view.camera.position()) - d * (float(view.camera.position().z) / d.z);
+                if (hidden(p)) view.image.usable[size_t(y * view.image.width + x)] = 0;
+            }
+    }
+    for (size_t v = 0; v < sheet.scene.mesh.vertexCount(); ++v)
+        if (hidden(sheet.scene.mesh.positions[v])) sheet.estimate.reflectance.confidence[v] = 0;
+    const TextureFit fit = sheet.fit();
+    ASSERT_TRUE(fit.texture) << fit.why;
+    ASSERT_EQ(fit.texture->confidence.size(), fit.texture->texels.size());
+    const Mesh& mesh = sheet.scene.mesh;
+    int unseen = 0, seen = 0;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        for (uint32_t i = 0; i < 100; ++i) {
+            const Vec2 r = r2Point(i, Vec2(0)), b = r.x + r.y <= 1 ? r : Vec2(1 - r.x, 1 - r.y);
+            const Triangle& c = mesh.triangles[t];
+            const Vec3 p =
+                (1 - b.x - b.y) * mesh.positions[c[0]] + b.x * mesh.positions[c[1]] + b.y * mesh.positions[c[2]];
+            const float confidence = fit.texture->confidenceAt(fit.texture->place(t, b));
+            if (p.x > 0.55f && p.y > 0.55f) {
+                EXPECT_LT(confidence, 0.2f) << p.x << " " << p.y;
+                ++unseen;
+            }
+            if (std::abs(p.x) < 0.9f && p.y < 0.1f && p.y > -0.9f) {
+                EXPECT_GT(confidence, 0.7f) << p.x << " " << p.y;
+                ++seen;
+            }
+        }
+    EXPECT_GT(unseen, 20);
+    EXPECT_GT(seen, 500);
+}
+
 TEST(FitTexture, SameBitsOnAnyNumberOfThreads) {
     const PrintedSheet sheet;
     std::vector<Rgb> one;

@@ -114,16 +114,13 @@ void viewsRow(Editor& editor, size_t views) {
 void ratioRow(ExportRequest& request) {
     using Views = ExportRequest::Views;
     const bool plate = request.views == Views::plate;
-    if (request.views == Views::present || request.views == Views::timeline || request.views == Views::turntable ||
-        request.views == Views::path || request.views == Views::bookmarks) {
-        request.ratio = Ratio::none;
-        return;
-    }
     row("Relit");
     constexpr const char* names[] = {"The model", "Photograph x new / old", "Photograph + new - old"};
     constexpr const char* ofPlate[] = {"Plate x new / old", "Plate x new / old", "Plate + new - old"};
     constexpr const char* explanations[] = {
-        "The scene as the model has it", "Keeps the detail and grain of the photograph, or of the plate",
+        "The scene as the model has it",
+        "Keeps the detail and grain of the photograph, or of the plate. Another camera's frames take it from the "
+        "photographs that see the surface best",
         "The same, with the model's errors where they were: where the light gets much brighter"};
     const auto label = [&](int i) { return plate ? ofPlate[i] : names[i]; };
     ImGui::SetNextItemWidth(em(14));

@@ -166,6 +166,7 @@ void Renderer::drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4
             setInt(mesh, "shading", layer.shading);
             if (layer.texture) {
                 setInt(mesh, "detail", 0);
+                setInt(mesh, "inPlace", layer.inPlace);
                 bindTexture(0, layer.texture);
             }
             glUniform1f(mesh.uniform("kind"), layer.display ? 2.0f : 1.0f);

@@ -24,6 +24,7 @@ struct SceneLayer {
     GlBuffer* some = nullptr;  ///< indices of the triangles to draw; nullptr: all
     size_t someTriangles = 0;
     GLuint texture = 0;                  ///< factor on the colours by the mesh's texture coordinates; 0: none
+    bool inPlace = false;                ///< the texture stands in place of the colours
     GLuint instead = 0;                  ///< image shown in place of the mesh, which then gives depth only
     std::optional<ImageBox> insteadBox;  ///< of the image, where it is shown; none: everywhere
 };

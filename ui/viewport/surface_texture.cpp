@@ -1,6 +1,7 @@
 #include "viewport/surface_texture.h"
 
 #include "base/parallel.h"
+#include "display/vertex_images.h"
 #include "texture/vertex_texels.h"
 
 namespace relamp::ui {
@@ -20,6 +21,13 @@ SurfaceDetail halved(const SurfaceDetail& whole) {
     return half;
 }
 
+constexpr int mostSideInPlace = 2048;
+
+SurfaceDetail shrunk(SurfaceDetail detail, int mostSide) {
+    while (std::max(detail.width, detail.height) > mostSide) detail = halved(detail);
+    return detail;
+}
+
 }  // namespace
 
 SurfaceDetail detailOf(const Estimate& estimate, const Mesh& captured) {
@@ -33,8 +41,27 @@ SurfaceDetail detailOf(const Estimate& estimate, const Mesh& captured) {
                 detail.factor[i][c] = std::min(most, texture.texels[i][c] / std::max(between[i][c], dark));
     });
     constexpr int mostSide = 4096;
-    while (std::max(detail.width, detail.height) > mostSide) detail = halved(detail);
-    return detail;
+    return shrunk(std::move(detail), mostSide);
+}
+
+SurfaceDetail confidenceDetail(const Estimate& estimate) {
+    const AlbedoTexture& texture = *estimate.reflectance.texture;
+    if (texture.confidence.empty()) return {};
+    SurfaceDetail detail{texture.width, texture.height, std::vector<Vec4>(texture.confidence.size())};
+    parallelFor(detail.factor.size(), 1 << 14,
+                [&](size_t i) { detail.factor[i] = Vec4(confidenceColour(float(texture.confidence[i]) / 255), 1); });
+    return shrunk(std::move(detail), mostSideInPlace);
+}
+
+SurfaceDetail correctionDetail(const Estimate& estimate, const Mesh& captured) {
+    const AlbedoTexture& texture = *estimate.reflectance.texture;
+    std::vector<Rgb> gloss = albedoColours(estimate);  // without the matte part
+    for (size_t v = 0; v < gloss.size(); ++v) gloss[v] -= estimate.reflectance.lobe(0)[v];
+    const std::vector<Rgb> between = texelsOfVertices(captured, gloss, texture);
+    SurfaceDetail detail{texture.width, texture.height, std::vector<Vec4>(texture.texels.size())};
+    parallelFor(detail.factor.size(), 1 << 14,
+                [&](size_t i) { detail.factor[i] = Vec4(tintOf(texture.texels[i] + between[i]), 1); });
+    return shrunk(std::move(detail), mostSideInPlace);
 }
 
 std::vector<FaceTexcoords> texcoordsDrawn(const AlbedoTexture& texture, const Mesh& mesh, const Mesh& captured,

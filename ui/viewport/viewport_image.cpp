@@ -19,6 +19,9 @@ bool throughPhotograph(const Editor& editor) {
            editor.state.selection.view < int(capture->views.size());
 }
 
+/// Its texture stands in place of the vertices' colours.
+bool isInPlace(Paint paint) { return paint == Paint::confidence || paint == Paint::correction; }
+
 /// The frame covers this part of the eye's image.
 bool covers(const Frame& frame, const EyeView& eye, const std::optional<ImageRegion>& region) {
     const ImageBox box = boxOf(region.value_or(ImageRegion{}), std::max(eye.width, 1), std::max(eye.height, 1));
@@ -160,7 +163,8 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
                 layer.mesh = &mesh.geometry;
                 layer.colours = &mesh.colours;
                 layer.display = mesh.display, layer.shading = mesh.shading;
-                if (mesh.texture) layer.texture = detailTexture(editor);
+                if (mesh.texture) layer.texture = detailTexture(editor, strip.paint);
+                layer.inPlace = isInPlace(strip.paint);
                 if (strip.paint == Paint::model && key_.rest) layer.instead = restTexture(editor.restFrame());
                 if (layer.instead && key_.region) layer.insteadBox = boxOf(*key_.region, eye.width, eye.height);
             }
@@ -217,21 +221,26 @@ void ViewportImage::placeTexture(const Editor& editor, Painted& p, const std::ve
     const auto estimate = editor.estimate();
     const auto& scene = editor.state.document.scene;
     const Paint paint = p.key.paint;
-    const bool wanted = paint == Paint::model || paint == Paint::before || paint == Paint::albedo;
-    const auto texture = wanted && estimate && scene ? estimate->reflectance.texture : nullptr;
+    const bool wanted = paint == Paint::model || paint == Paint::before || paint == Paint::albedo || isInPlace(paint);
+    auto texture = wanted && estimate && scene ? estimate->reflectance.texture : nullptr;
+    if (texture && paint == Paint::confidence && texture->confidence.empty()) texture = nullptr;
     if (texture && (otherTriangles || p.texture != texture))
         p.geometry.uploadTexcoords(texcoordsDrawn(*texture, *p.geometry.mesh(), scene->mesh, p.origin.get(), visible));
     p.texture = texture;
 }
 
-GLuint ViewportImage::detailTexture(const Editor& editor) {
+GLuint ViewportImage::detailTexture(const Editor& editor, Paint paint) {
     const auto estimate = editor.estimate();
-    if (estimate != detailShown_) {
-        const SurfaceDetail detail = detailOf(*estimate, editor.state.document.scene->mesh);
-        uploadHalf(detail_, detail.width, detail.height, &detail.factor[0].x, false);
-        detailShown_ = estimate;
+    const Mesh& captured = editor.state.document.scene->mesh;
+    DetailTexture& kept = paint == Paint::confidence ? confidence_ : paint == Paint::correction ? correction_ : factor_;
+    if (estimate != kept.shown) {
+        const SurfaceDetail detail = paint == Paint::confidence   ? confidenceDetail(*estimate)
+                                     : paint == Paint::correction ? correctionDetail(*estimate, captured)
+                                                                  : detailOf(*estimate, captured);
+        uploadHalf(kept.texture, detail.width, detail.height, &detail.factor[0].x, false);
+        kept.shown = estimate;
     }
-    return detail_.id();
+    return kept.texture.id();
 }
 
 void ViewportImage::makeLines(const Editor& editor, const EyeView& eye) {

@@ -39,8 +39,7 @@ private:
         float stops = 0, pixelsPerPoint = 1;
         std::string displayView;
         bool falseColour = false, wires = false, through = false, photographBehind = false, dome = false, grid = false,
-             frusta = false, ownEnvironment = false,
-             plateAlone = false;
+             frusta = false, ownEnvironment = false, plateAlone = false;
         int view = -1;
         std::set<uint32_t> hidden;
         std::vector<std::string> selected;
@@ -74,10 +73,15 @@ private:
     std::vector<uint8_t> visible_;
     uint64_t visibleVersion_ = 0;
     std::set<uint32_t> hiddenShown_;
-    GlTexture environment_, rest_, detail_, plate_;
+    GlTexture environment_, rest_, plate_;
     std::shared_ptr<const PlateImage> plateShown_;
     float plateOpacityShown_ = 1;
-    std::shared_ptr<const Estimate> detailShown_;
+    /// Uploaded when it is first shown.
+    struct DetailTexture {
+        GlTexture texture;
+        std::shared_ptr<const Estimate> shown;
+    };
+    DetailTexture factor_, confidence_, correction_;
     std::shared_ptr<const DistantLight> environmentShown_;
     std::shared_ptr<const Frame> restShown_;
     GlBuffer lines_, outline_;
@@ -99,8 +103,8 @@ private:
     void makeLines(const Editor& editor, const EyeView& eye);
     void makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint);
     GLuint environmentTexture(const std::shared_ptr<const DistantLight>& distant);
-    /// The texture of the estimate that is edited; 0: it has none.
-    GLuint detailTexture(const Editor& editor);
+    /// The texture of the estimate that is edited, as a paint shows it; 0: it has none.
+    GLuint detailTexture(const Editor& editor, Paint paint);
     /// Of the plate's present frame, as opaque as it is wanted; 0: there is none.
     GLuint plateTexture();
     GLuint restTexture(const std::shared_ptr<const Frame>& frame);
