@@ -130,6 +130,42 @@ float spreadOfRatio(const std::vector<ShownVertex>& here, const std::vector<Show
     return 1.4826f * medianOf(std::move(ratio));
 }
 
+/// The state in which an emitter that no photograph shows gives most: where what it would light by its place is
+/// brightest beside the rest. Vertices that all states show, each with the light of a point at its centre.
+uint32_t stateLitBy(const Scene& scene, const std::vector<RadianceSamples>& ofState, const EmitterCluster& cluster) {
+    std::vector<float> light;
+    std::vector<std::vector<float>> radiance(ofState.size());
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
+        std::vector<float> shown;
+        for (const RadianceSamples& samples : ofState)
+            if (const auto seen = medianObservation(samples, v)) shown.push_back(luminance(*seen));
+        if (shown.size() != ofState.size()) continue;
+        const Vec3& normal = scene.mesh.normals[v];
+        const Vec3 origin = scene.mesh.positions[v] + 4 * scene.tracer->surfaceOffset() * normal,
+                   to = cluster.centroid - origin;
+        const float distance = glm::length(to), cosine = glm::dot(to, normal) / distance;
+        // The proxy itself hides its centre.
+        const float clear = distance - std::sqrt(cluster.area / (4 * pi)) * 1.1f;
+        const bool lit = cosine > 0 && clear > 0 && !scene.tracer->occluded({origin, to / distance, 0, clear});
+        light.push_back(lit ? cosine / (distance * distance) : 0.0f);
+        for (size_t s = 0; s < ofState.size(); ++s) radiance[s].push_back(shown[s]);
+    }
+    if (light.empty()) return 0;
+    // A few vertices beside it are not to decide.
+    const float most = quantileOf(light, 0.95);
+    uint32_t best = 0;
+    double bestScore = 0;
+    for (uint32_t s = 0; s < ofState.size(); ++s) {
+        double byLight = 0, all = 0;
+        for (size_t i = 0; i < light.size(); ++i) {
+            byLight += double(std::min(light[i], most)) * double(radiance[s][i]);
+            all += double(radiance[s][i]);
+        }
+        if (all > 0 && byLight / all > bestScore) bestScore = byLight / all, best = s;
+    }
+    return best;
+}
+
 /// Fills inState. `ordinary`: per state, of its surfaces.
 void measureLevels(const std::vector<RadianceSamples>& ofState, const std::vector<float>& ordinary,
                    const Capture& capture, EmitterCluster& cluster) {
@@ -194,7 +230,10 @@ EmitterClusters clusterEmittersOfStates(const Scene& scene, const Capture& captu
     std::vector<float> ordinary;
     for (const RadianceSamples& part : ofState) ordinary.push_back(ordinaryRadiance(part, emits));
     for (Found& f : all) {
-        measureLevels(ofState, ordinary, capture, f.cluster);
+        if (f.cluster.unobserved) {
+            f.cluster.inState.assign(samples.states, -1.0f);
+            f.cluster.inState[stateLitBy(scene, ofState, f.cluster)] = 1;
+        } else measureLevels(ofState, ordinary, capture, f.cluster);
         (f.certain ? result.emitters : result.candidates).push_back(std::move(f.cluster));
     }
     indexEmitters(scene, result);

@@ -8,7 +8,8 @@ namespace relamp {
 /// is switched looks like a highlight otherwise. Of patches that overlap the brightest stays, as an emitter if it is
 /// one in any state. EmitterCluster::inState follows from the photographs: the median ratio of a vertex's radiance to
 /// that in the brightest state, 0 where the emitter is no brighter than 1.6 times the ordinary surfaces of that state
-/// or the ratio varies by a fifth over it, -1 where no photograph of a state shows it, or clipped. With one state the
+/// or the ratio varies by a fifth over it, -1 where no photograph of a state shows it, or clipped. An emitter that no
+/// photograph shows is brightest where the surfaces it lights by its place are, beside the rest. With one state the
 /// same bits as clusterEmitters. Cost: that of clusterEmitters for each state, and a copy of its photographs.
 EmitterClusters clusterEmittersOfStates(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                         const ClusterOptions& options, Progress& progress);

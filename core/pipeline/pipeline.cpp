@@ -134,8 +134,11 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
     p.scene = std::move(scene);
     // What the photographs say of each vertex and of the environment.
     meter.begin(Stage::observations);
-    if (!samples || p.working)
-        samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, options.gather, progress));
+    GatherOptions gather = options.gather;
+    // Where no light is near, an emitter that is switched is another distant light.
+    gather.ownEnvironments |= !options.solve.nearField && capture.states.size() > 1;
+    if (!samples || p.working || gather.ownEnvironments)
+        samples = std::make_shared<const RadianceSamples>(gatherRadiance(capture, *p.scene, gather, progress));
     p.samples = std::move(samples);
     // High-radiance components become emitting patches ([Put15] 3.3).
     meter.begin(Stage::emitters);
@@ -209,13 +212,21 @@ void takeMirrorBalls(PipelineOptions& options, Capture& capture) {
 UnobservedLightSearch searchUnobservedLight(const Capture& capture, const PipelineOptions& options, Progress& progress,
                                             std::shared_ptr<const Scene> scene,
                                             std::shared_ptr<const RadianceSamples> samples) {
-    if (capture.states.size() > 1)
-        throw Error("--find-light: the search knows one lighting state, this capture has {}", capture.states.size());
     StageMeter meter(progress);
     const Prepared p = prepare(capture, options, meter, progress, std::move(scene), std::move(samples));
     UnobservedLightOptions search;
     search.seed = options.solve.seed;
-    UnobservedLightSearch found = findUnobservedLights(capture, *p.scene, *p.samples, p.clusters, search, progress);
+    UnobservedLightSearch found;
+    if (p.samples->states == 1) {
+        found = findUnobservedLights(capture, *p.scene, *p.samples, p.clusters, search, progress);
+    } else {
+        // A light may be off in some of the states, and clear in one alone.
+        std::vector<UnobservedLightSearch> ofState;
+        for (uint32_t s = 0; s < p.samples->states; ++s)
+            ofState.push_back(findUnobservedLights(captureOfState(capture, s), *p.scene, samplesOfPart(*p.samples, s),
+                                                   clustersInState(*p.scene, p.clusters, s), search, progress));
+        found = joinedSearches(capture.states, ofState);
+    }
     logInfo("{}", found.words);
     return found;
 }
@@ -242,9 +253,6 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     // What this scene does not need.
     SolveOptions solve = options.solve;
     solve.meshError = prepared.meshError;
-    if (!options.solve.nearField && prepared.samples->states > 1)
-        throw Error("--mode distant-only: knows one lighting state, and these photographs are of {}",
-                    prepared.samples->states);
     const StatePart part = brightestPart(prepared);
     if (part.samples != prepared.samples)
         solve.probedEnvironment =

@@ -3,7 +3,6 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
-#include "radiance/state_parts.h"
 #include "texture/own_charts.h"
 
 namespace relamp {
@@ -58,10 +57,7 @@ void addTexture(const Capture& capture, const Scene& scene, std::optional<int> s
             TextureOptions options;
             if (side) options.mostSide = *side;
             options.always = side.has_value();
-            // Light that texels are read under is that of one state.
-            std::optional<Capture> part;
-            if (capture.states.size() > 1) part = captureOfState(capture, estimate.surfaceLight.state);
-            TextureFit fit = fitTexture(part ? *part : capture, scene, estimate, options, progress);
+            TextureFit fit = fitTexture(capture, scene, estimate, options, progress);
             if (!fit.whyNotOwn.empty()) estimate.leftOut.push_back({Omission::ownTexcoords, fit.whyNotOwn});
             if (fit.texture)
                 logInfo(

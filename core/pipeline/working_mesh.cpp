@@ -75,8 +75,10 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
     Reflectance& r = result.reflectance;
     for (size_t k = 0; k < r.weight.size(); ++k) between(found.reflectance.weight[k], r.weight[k]);
     for (size_t k = 0; k < found.heldOut.size(); ++k) between(found.heldOut[k].albedo, result.heldOut[k].albedo);
-    between(found.surfaceLight.white, result.surfaceLight.white);
-    between(found.surfaceLight.coating, result.surfaceLight.coating);
+    for (size_t s = 0; s < found.surfaceLight.white.size(); ++s) {
+        between(found.surfaceLight.white[s], result.surfaceLight.white[s]);
+        between(found.surfaceLight.coating[s], result.surfaceLight.coating[s]);
+    }
     between(found.reflectance.confidence, r.confidence);
     between(found.reflectance.sigma, r.sigma);
     r.observed.assign(n, 0);

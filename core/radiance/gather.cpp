@@ -165,6 +165,10 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
         result.states = uint32_t(capture.states.size());
         for (const View& view : capture.views) result.stateOfView.push_back(view.state);
         result.environmentOfState = capture.environmentOfState;
+        for (uint32_t s = 0; options.ownEnvironments && s < result.states; ++s) {
+            result.environmentOfState.resize(result.states);
+            result.environmentOfState[s] = int(s);
+        }
     }
     result.backgroundGrid.axes = scene.axes;
     const size_t n = scene.mesh.vertexCount(), views = capture.views.size();

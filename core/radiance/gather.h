@@ -8,7 +8,8 @@
 namespace relamp {
 
 struct GatherOptions {
-    float grazingCosine = 0.12f;  ///< looks at a steeper grazing angle are dropped
+    float grazingCosine = 0.12f;   ///< looks at a steeper grazing angle are dropped
+    bool ownEnvironments = false;  ///< each lighting state has a distant light of its own, whatever the capture says
 };
 
 /// For each vertex and view: projected, tested for occlusion, looked up bilinearly among the pixels that see the same

@@ -67,4 +67,20 @@ RadianceSamples samplesOfPart(const RadianceSamples& all, uint32_t state) {
     return part;
 }
 
+std::vector<uint32_t> viewsTakenFrom(const Capture& capture, uint32_t view) {
+    constexpr double apart = 1e-3;  // of the distance to the mesh's first vertex, and in radians
+    const View& from = capture.views[view];
+    const DVec3 place = from.camera.position();
+    const double reach =
+        apart * (capture.mesh.positions.empty() ? 1.0 : glm::distance(place, DVec3(capture.mesh.positions[0])));
+    std::vector<uint32_t> views;
+    for (uint32_t i = 0; i < capture.views.size(); ++i) {
+        const Camera& camera = capture.views[i].camera;
+        const bool same = capture.views[i].state != from.state && glm::distance(camera.position(), place) < reach &&
+                          glm::distance(camera.forward(), from.camera.forward()) < apart;
+        if (i == view || same) views.push_back(i);
+    }
+    return views;
+}
+
 }  // namespace relamp

@@ -15,4 +15,7 @@ Capture captureOfState(const Capture& capture, uint32_t state);
 /// The observations of one state as of such a capture, with its views' geometry. The background likewise.
 RadianceSamples samplesOfPart(const RadianceSamples& all, uint32_t state);
 
+/// A view, and those of other lighting states that were taken from its place: what they show of surfaces errs alike.
+std::vector<uint32_t> viewsTakenFrom(const Capture& capture, uint32_t view);
+
 }  // namespace relamp

@@ -19,14 +19,15 @@ struct ComparedMode {
     double psnr = 0;       ///< dB, display values over all compared views
     double worstPsnr = 0;  ///< of one view
     std::string worstView;
-    double tintDegrees = 0;    ///< mean angle between albedo and grey
-    Image environment;         ///< 512 x 256, exposed
-    Image emittersOff, white;  ///< in the first view, exposed
+    std::vector<double> psnrOfState;  ///< dB, of the compared views of each lighting state
+    double tintDegrees = 0;           ///< mean angle between albedo and grey
+    Image environment;                ///< 512 x 256, exposed
+    Image emittersOff, white;         ///< in the first view, exposed
 };
 
 /// One view with images, exposed and ready to be encoded.
 struct ComparedView {
-    std::string name;
+    std::string name, state;  ///< lighting state; empty: there is one
     Image photograph;
     std::array<Image, 2> model, difference, albedo, tint;
     std::array<double, 2> psnr{};
@@ -35,7 +36,9 @@ struct ComparedView {
 struct Comparison {
     std::string capture;  ///< name of its folder
     size_t views = 0, vertices = 0, triangles = 0;
-    size_t measuredViews = 0;  ///< views the figures are taken over
+    std::vector<std::string> states;  ///< lighting states of the photographs; empty: there is one
+    std::string stateShown;           ///< of those, that of the images without edits of one view
+    size_t measuredViews = 0;         ///< views the figures are taken over
     std::array<ComparedMode, 2> modes;
     std::vector<ComparedView> shown;
     float environmentStops = 0, offStops = 0;  ///< exposure against the first view's photograph

@@ -38,6 +38,9 @@ std::string figuresTable(const Comparison& c) {
         [](const ComparedMode& m) { return fmt::format("{:.1f} dB", m.psnr); });
     row("Worst photograph", "The view that is reproduced least well.",
         [](const ComparedMode& m) { return fmt::format("{:.1f} dB, {}", m.worstPsnr, m.worstView); });
+    for (size_t s = 0; s < c.states.size(); ++s)
+        row("Likeness in a lighting state", htmlText(c.states[s]).c_str(),
+            [&](const ComparedMode& m) { return fmt::format("{:.1f} dB", m.psnrOfState[s]); });
     row("Colour in the surfaces",
         "Mean angle between the surfaces' own colour and grey. Less is better only where it was the light's colour.",
         [](const ComparedMode& m) { return fmt::format("{:.1f}\u00b0", m.tintDegrees); });
@@ -72,7 +75,8 @@ std::string viewSection(const ComparedView& view) {
         figures += htmlImage(view.difference[m], "Difference", "");
         figures += htmlImage(view.albedo[m], "Surfaces without light", "");
     }
-    return "<h3>" + htmlText(view.name) + "</h3>\n" + grid("four", figures);
+    const std::string title = view.name + (view.state.empty() ? "" : ", " + view.state);
+    return "<h3>" + htmlText(title) + "</h3>\n" + grid("four", figures);
 }
 
 std::string leftOutTable(const Modes& modes) {
@@ -128,6 +132,12 @@ std::string comparisonPage(const Comparison& c) {
         "light does and the second way "
         "cannot say ends up painted on the surfaces.</p>\n",
         c.views, c.vertices, c.triangles);
+    if (!c.states.empty())
+        content += fmt::format(
+            "<p>The photographs are of {} lighting states. With lights in the scene, these are brighter or dimmer from "
+            "state to state. With distant light only, each state has a distant light of its own, whose power differs "
+            "as the photographs say. Lights off, white sky and environment below are those of <i>{}</i>.</p>\n",
+            c.states.size(), htmlText(c.stateShown));
     content += heading("Figures", fmt::format("Measured over {} of {} photographs.", c.measuredViews, c.views)) +
                figuresTable(c);
     for (const ComparedMode& m : modes)

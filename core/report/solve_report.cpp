@@ -42,14 +42,15 @@ ViewImages explain(const RelitScene& relit, const View& view, Progress& progress
 void measureViews(const Capture& capture, const Scene& scene, SolveReport& report, Progress& progress) {
     const LookTrack asFound(Look{});
     RelitLooks looks(report.estimate, scene, asFound);
-    std::optional<RelitScene> distant;
-    if (report.distant) distant = applyLook(scene, report.distant->estimate, {}, progress);
+    std::optional<RelitLooks> distant;
+    if (report.distant) distant.emplace(report.distant->estimate, scene, asFound);
     const size_t count = std::min(mostViews, capture.views.size());
     double worst = 1e9;
     for (size_t i = 0; i < count; ++i) {
         const View& view = capture.views[i * capture.views.size() / count];
         ViewImages p = explain(looks.captured(progress, view.state), view, progress);
-        report.views.push_back({view.name, p.psnr, distant ? explain(*distant, view, progress).psnr : 0});
+        report.views.push_back(
+            {view.name, p.psnr, distant ? explain(distant->captured(progress, view.state), view, progress).psnr : 0});
         if (p.psnr >= worst) continue;
         worst = p.psnr;
         report.worst = ReportedWorst{view.name, scaledBy(p.photograph, p.exposure), scaledBy(p.model, p.exposure),
@@ -61,7 +62,6 @@ void measureViews(const Capture& capture, const Scene& scene, SolveReport& repor
 std::string withoutDistant(const Shot& shot, const ReportOptions& options) {
     if (options.againstDistant == ReportOptions::Distant::off) return "it was not asked for";
     if (shot.estimate.mode == "distant-only") return "this shot is one itself";
-    if (shot.estimate.states.size() > 1) return "it knows one lighting state, and these photographs are of several";
     if (options.againstDistant == ReportOptions::Distant::automatic && shot.resources.seconds > options.mostSeconds)
         return fmt::format("this shot took {:.0f} s, more than {:.0f} s; ask for it with --against-distant on",
                            shot.resources.seconds, options.mostSeconds);

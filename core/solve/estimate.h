@@ -87,11 +87,13 @@ struct StabilityReport {
         0;  ///< how much light on the surfaces it moves, root mean square, relative, one standard deviation
 };
 
-/// Light on the surfaces while the photographs were taken, per vertex; empty where no solve has just ended.
+/// Light on the surfaces while the photographs were taken, per lighting state and vertex; empty where no solve has just
+/// ended.
 struct SurfaceLight {
-    std::vector<Rgb> white;    ///< radiance of a white matte surface there, bounced light included; 0: not known
-    std::vector<Rgb> coating;  ///< radiance that a coating over the matte part adds, mean of the views
-    uint32_t state = 0;        ///< lighting state of the photographs; others show other light
+    std::vector<std::vector<Rgb>> white;    ///< radiance of a white matte surface there, bounced light included; 0: not
+                                            ///< known
+    std::vector<std::vector<Rgb>> coating;  ///< radiance that a coating over the matte part adds, mean of the views
+    uint32_t state = 0;                     ///< whose views were left out for HeldOutAlbedo
     bool empty() const { return white.empty(); }
 };
 

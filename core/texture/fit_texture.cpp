@@ -1,6 +1,7 @@
 #include "texture/fit_texture.h"
 
 #include "base/log.h"
+#include "radiance/state_parts.h"
 #include "texture/coarser_texels.h"
 #include "texture/own_charts.h"
 #include "texture/photograph_geometry.h"
@@ -117,7 +118,12 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
     std::vector<uint8_t> used(views, 1);
     std::vector<uint32_t> left;
     std::vector<float> fractions;
-    if (views >= 4) left = {uint32_t(views / 3), uint32_t(2 * views / 3)};
+    std::vector<uint32_t> ofState;
+    for (uint32_t v = 0; v < views; ++v)
+        if (capture.views[v].state == estimate.surfaceLight.state) ofState.push_back(v);
+    if (const size_t n = ofState.size(); n >= 4)
+        for (const uint32_t view : {ofState[n / 3], ofState[2 * n / 3]})
+            for (const uint32_t alike : viewsTakenFrom(capture, view)) left.push_back(alike);
     for (const uint32_t view : left) used[view] = 0;
     for (int k = 0; k < passes; ++k) solver.pass(used, k, sums, progress);
     if (!left.empty()) {

@@ -31,7 +31,8 @@ struct TextureGain {
 struct TextureFit {
     std::shared_ptr<const AlbedoTexture> texture;  ///< null where there is nothing to gain
     std::shared_ptr<const AlbedoTexture>
-        without;  ///< the same from all views but n / 3 and 2 n / 3 of n; null with three
+        without;  ///< the same from all views but n / 3 and 2 n / 3 of the n of SurfaceLight::state, and those of
+                  ///< other states from their places; null with three
     TextureGain gain;
     size_t charts = 0;
     bool own = false;       ///< laid out by the mesh's own texture coordinates

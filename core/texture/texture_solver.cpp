@@ -30,8 +30,9 @@ TextureSolver::TextureSolver(const Capture& capture, const Scene& scene, const E
     turns_ = uint32_t(std::max(1.0, std::ceil(samples / mostTexelSamples)));
     samplesPerTexel_ = float(samples / turns_ / double(std::max<size_t>(1, texture.texels.size())));
     std::vector<float> brightness;
-    for (const Rgb& e : estimate.surfaceLight.white)
-        if (e.y > 0) brightness.push_back(luminance(e));
+    for (const std::vector<Rgb>& ofState : estimate.surfaceLight.white)
+        for (const Rgb& e : ofState)
+            if (e.y > 0) brightness.push_back(luminance(e));
     dark_ = 0.05f * medianOf(std::move(brightness));
     start_ = texture.texels;
     seen_.assign(start_.size(), 0);
@@ -219,7 +220,9 @@ bool TextureSolver::trace(uint32_t view, int x, int y, TracedPixel& p) const {
     p.light = p.coating = p.byVertices = Rgb(0);
     float trust = 1;
     const float part = 1 / float(count);
-    const std::vector<Rgb>&albedo = estimate_.reflectance.weight[0], &white = estimate_.surfaceLight.white;
+    const size_t state = std::min<size_t>(capture_.views[view].state, estimate_.surfaceLight.white.size() - 1);
+    const std::vector<Rgb>&albedo = estimate_.reflectance.weight[0], &white = estimate_.surfaceLight.white[state],
+          &coating = estimate_.surfaceLight.coating[state];
     for (int i = 0; i < count; ++i) {
         if (!texture_.has(found[i].triangle)) return false;
         const Triangle& t = scene_.mesh.triangles[found[i].triangle];
@@ -232,7 +235,7 @@ bool TextureSolver::trace(uint32_t view, int x, int y, TracedPixel& p) const {
             most = std::max(most, luminance(white[t[k]]));
             light += corner[k] * white[t[k]];
             vertexAlbedo += corner[k] * albedo[t[k]];
-            p.coating += part * corner[k] * estimate_.surfaceLight.coating[t[k]];
+            p.coating += part * corner[k] * coating[t[k]];
         }
         if (!(least > 0)) return false;
         // Where light changes inside a triangle (edges of shadows) it is not known at its texels.

@@ -71,8 +71,8 @@ TEST(TextureStage, SaysWhyTheMeshsOwnTexcoordsAreNotUsed) {
 TEST(TextureStage, WithoutTimeThereIsNone) {
     const SeenSheet sheet(20);
     Estimate estimate = test::matteEstimate(sheet.scene, Rgb(0.5f), Rgb(1));
-    estimate.surfaceLight.white.assign(sheet.scene.mesh.vertexCount(), Rgb(1));
-    estimate.surfaceLight.coating.assign(sheet.scene.mesh.vertexCount(), Rgb(0));
+    estimate.surfaceLight.white = {std::vector<Rgb>(sheet.scene.mesh.vertexCount(), Rgb(1))};
+    estimate.surfaceLight.coating = {std::vector<Rgb>(sheet.scene.mesh.vertexCount(), Rgb(0))};
     Progress progress;
     progress.setBudget(1e-9);
     addTexture(sheet.capture, sheet.scene, {}, estimate, progress);

@@ -28,8 +28,8 @@ struct PrintedSheet {
         capture.mesh = scene.mesh;
         const Rgb mean = printed ? Rgb(0.375f, 0.3875f, 0.375f) : Rgb(0.5f);
         estimate = test::matteEstimate(scene, mean, Rgb(1));
-        estimate.surfaceLight.white.assign(scene.mesh.vertexCount(), light);
-        estimate.surfaceLight.coating.assign(scene.mesh.vertexCount(), Rgb(0));
+        estimate.surfaceLight.white = {std::vector<Rgb>(scene.mesh.vertexCount(), light)};
+        estimate.surfaceLight.coating = {std::vector<Rgb>(scene.mesh.vertexCount(), Rgb(0))};
         for (int i = 0; i < 6; ++i) {
             const double turn = 1.1 * i;
             View view;
@@ -159,8 +159,8 @@ TEST(FitTexture, SeamsBetweenChartsAreNotSeen) {
     const Scene scene = test::sceneOf(test::ball({0, 0, 0}, 1, 16, 32));
     capture.mesh = scene.mesh;
     Estimate estimate = test::matteEstimate(scene, Rgb(0.5f), Rgb(1));
-    estimate.surfaceLight.white.assign(scene.mesh.vertexCount(), Rgb(1));
-    estimate.surfaceLight.coating.assign(scene.mesh.vertexCount(), Rgb(0));
+    estimate.surfaceLight.white = {std::vector<Rgb>(scene.mesh.vertexCount(), Rgb(1))};
+    estimate.surfaceLight.coating = {std::vector<Rgb>(scene.mesh.vertexCount(), Rgb(0))};
     const auto paint = [](const Vec3& p) {
         return Rgb(0.5f) + 0.2f * Rgb(std::sin(5 * p.x), std::sin(4 * p.y), std::sin(4 * p.z));
     };

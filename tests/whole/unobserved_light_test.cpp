@@ -18,8 +18,8 @@ namespace {
 struct DarkenedWorld {
     test::TemporaryFolder folder;
     test::KnownWorld truth;
-    explicit DarkenedWorld(bool emitter = true) {
-        truth = test::paintKnownWorld(folder.path(), emitter, 10, 24);
+    explicit DarkenedWorld(bool emitter = true, const std::vector<float>& levels = {1}) {
+        truth = test::paintKnownWorld(folder.path(), emitter, 10, 24, false, false, levels);
         if (!emitter) return;
         Mesh mesh = truth.mesh;
         mesh.triangles.resize(truth.emitterTriangles.front());
@@ -27,7 +27,7 @@ struct DarkenedWorld {
         mesh.normals.resize(truth.ballEnd);
         writeVertexPly(folder.path() / "mesh.ply", mesh, {});
         truth.albedo.resize(truth.ballEnd);
-        for (int i = 0; i < truth.views; ++i) {
+        for (int i = 0; i < truth.views * int(levels.size()); ++i) {
             const std::filesystem::path file = folder.path() / fmt::format("images/{:02}.exr", i);
             Image image = readImage(file);
             for (Rgb& p : image.pixels)
@@ -106,6 +106,26 @@ TEST(UnobservedLight, NoneIsFoundWhereThereIsOnlySky) {
     ASSERT_TRUE(r.search.has_value());
     EXPECT_TRUE(r.search->lights.empty()) << r.search->words;
     EXPECT_TRUE(r.capture.proxies.empty());
+}
+
+TEST(UnobservedLight, IsFoundInTheLightingStateThatHasItAndIsOffInTheOther) {
+    const DarkenedWorld world(true, {0, 1});
+    PipelineOptions options;
+    options.findLight = true;
+    const PipelineResult found = world.solve(options);
+    ASSERT_TRUE(found.search && found.search->lights.size() == 1) << found.search->words;
+    EXPECT_EQ(found.search->words.find("lamp 0: no unobserved light"), 0u) << found.search->words;
+    EXPECT_NE(found.search->words.find("; lamp 1: an unobserved light at"), std::string::npos) << found.search->words;
+    EXPECT_LT(glm::length(found.search->lights[0].position - world.truth.emitterCentre), 0.085f);
+    ASSERT_EQ(found.estimate.emitters.emitters.size(), 1u);
+    const EmitterCluster& emitter = found.estimate.emitters.emitters[0];
+    EXPECT_TRUE(emitter.unobserved);
+    ASSERT_EQ(emitter.inState.size(), 2u);
+    EXPECT_NEAR(emitter.inState[0], 0, 0.03f);
+    EXPECT_EQ(emitter.inState[1], 1);
+    std::printf("level where it is off %.3f; albedo off by %.1f %%\n", double(emitter.inState[0]),
+                100 * world.albedoError(found));
+    EXPECT_LT(world.albedoError(found), 0.05);
 }
 
 TEST(UnobservedLight, AProxyThatWasToldIsAnEmitterLikeAnyOtherAndComesBackWithTheShot) {

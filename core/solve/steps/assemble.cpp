@@ -121,14 +121,15 @@ SurfaceLight surfaceLightOf(const SolveRun& s, const Irradiance& irradiance, con
     SurfaceLight light;
     if (!s.hasMatte()) return light;
     const MatteObservations &matte = s.observed.matte, &coated = s.observed.withCoatings;
-    light.white.assign(s.in.scene.mesh.vertexCount(), Rgb(0));
-    light.coating.assign(light.white.size(), Rgb(0));
+    light.white.assign(matte.states(), std::vector<Rgb>(s.in.scene.mesh.vertexCount(), Rgb(0)));
+    light.coating = light.white;
     light.state = s.mainState();
-    for (size_t i = matte.beginOf(light.state); i < matte.endOf(light.state); ++i) {
-        light.white[matte.vertices[i]] = irradiance.value[i] * scale;
-        if (!coated.vertices.empty())
-            light.coating[matte.vertices[i]] = glm::max(coated.radiance[i] - matte.radiance[i], Rgb(0));
-    }
+    for (size_t state = 0; state < matte.states(); ++state)
+        for (size_t i = matte.beginOf(state); i < matte.endOf(state); ++i) {
+            light.white[state][matte.vertices[i]] = irradiance.value[i] * scale;
+            if (!coated.vertices.empty())
+                light.coating[state][matte.vertices[i]] = glm::max(coated.radiance[i] - matte.radiance[i], Rgb(0));
+        }
     return light;
 }
 

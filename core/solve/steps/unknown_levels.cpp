@@ -94,8 +94,12 @@ void keepFittedLevels(SolveRun& s) {
         for (size_t state = 0; state < emitter.inState.size(); ++state) {
             if (emitter.inState[state] >= 0) continue;
             emitter.inState[state] = s.emitters.levels[state][e];
-            logWarning("no photograph of state {} shows {} unclipped: by the shading its level is {:.3f}",
-                       s.in.capture.states[state], emitter.id, emitter.inState[state]);
+            if (emitter.unobserved)
+                logInfo("{} in state {}: by the shading its level is {:.3f}", emitter.id, s.in.capture.states[state],
+                        emitter.inState[state]);
+            else
+                logWarning("no photograph of state {} shows {} unclipped: by the shading its level is {:.3f}",
+                           s.in.capture.states[state], emitter.id, emitter.inState[state]);
         }
     }
 }

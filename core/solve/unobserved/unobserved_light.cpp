@@ -411,4 +411,28 @@ UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& 
     return search.run();
 }
 
+UnobservedLightSearch joinedSearches(const std::vector<std::string>& states,
+                                     const std::vector<UnobservedLightSearch>& searches) {
+    UnobservedLightSearch all;
+    for (size_t s = 0; s < searches.size(); ++s) {
+        all.words += fmt::format("{}{}: {}", s ? "; " : "", states[s], searches[s].words);
+        if (searches[s].certainty > all.certainty) {
+            all.certainty = searches[s].certainty;
+            all.misfitWithout = searches[s].misfitWithout;
+            all.misfitWith = searches[s].misfitWith;
+        }
+        for (const UnobservedLight& light : searches[s].lights) {
+            const auto same = std::find_if(all.lights.begin(), all.lights.end(), [&](const UnobservedLight& other) {
+                const glm::dmat3 scatter = light.covariance + other.covariance;
+                const double apart = double(glm::distance(light.position, other.position)),
+                             spread = std::sqrt(scatter[0][0] + scatter[1][1] + scatter[2][2]);
+                return apart < std::max(3 * spread, 0.15 * double(std::min(light.distance, other.distance)));
+            });
+            if (same == all.lights.end()) all.lights.push_back(light);
+            else if (light.certainty > same->certainty) *same = light;
+        }
+    }
+    return all;
+}
+
 }  // namespace relamp

@@ -57,4 +57,8 @@ UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& 
                                            const EmitterClusters& clusters, const UnobservedLightOptions& options,
                                            Progress& progress);
 
+/// What was found in several lighting states, each light once: as the state knows it that is surest of it.
+UnobservedLightSearch joinedSearches(const std::vector<std::string>& states,
+                                     const std::vector<UnobservedLightSearch>& searches);
+
 }  // namespace relamp
