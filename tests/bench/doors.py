@@ -155,6 +155,90 @@ def llff():
     return folder
 
 
+def mesh_with_y_up(folder):
+    """The capture's mesh turned from Z up to Y up, as phones keep it, in text that loses no bit."""
+    bytes_ = (source / file.get("mesh_path", "mesh.ply")).read_bytes()
+    head, body = bytes_.split(b"end_header\n", 1)
+    lines = head.decode().splitlines()
+    if "format binary_little_endian 1.0" not in lines:
+        sys.exit("the mesh of CAPTURE has to be a binary PLY")
+    count = {line.split()[1]: int(line.split()[2]) for line in lines if line.startswith("element")}
+    at = lines.index(f"element vertex {count['vertex']}")
+    names = []
+    for line in lines[at + 1:]:
+        if not line.startswith("property float"):
+            break
+        names.append(line.split()[2])
+    vertices = np.frombuffer(body, "<f4", count["vertex"] * len(names)).reshape(-1, len(names))[:, :3]
+    faces = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3)], count["face"], vertices.shape[0] * 4 * len(names))["v"]
+    turned = vertices @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    (folder / "mesh.obj").write_text("".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in turned) +
+                                     "".join(f"f {a} {b} {c}\n" for a, b, c in faces + 1))
+
+
+def phone_pose(shot):
+    """worldFromCamera with OpenGL's axes, the world with Y up."""
+    turn = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+    return np.vstack([np.column_stack([turn @ np.stack([shot.R[0], -shot.R[1], -shot.R[2]], 1), turn @ shot.p]), [0, 0, 0, 1]])
+
+
+def grey_jpeg(width, height):
+    """A photograph of nothing: every block of a grey JPEG is its two shortest codes."""
+    def part(kind, data):
+        return bytes([0xff, kind]) + (len(data) + 2).to_bytes(2, "big") + data
+
+    blocks = -(-width // 8) * -(-height // 8)
+    size = height.to_bytes(2, "big") + width.to_bytes(2, "big")
+    one_code = bytes([1] + [0] * 15 + [0])
+    bits = np.concatenate([np.zeros(2 * blocks, np.uint8), np.ones(-2 * blocks % 8, np.uint8)])
+    return (b"\xff\xd8" + part(0xdb, bytes([0] + [1] * 64)) + part(0xc0, bytes([8]) + size + bytes([1, 1, 0x11, 0])) +
+            part(0xc4, bytes([0]) + one_code) + part(0xc4, bytes([0x10]) + one_code) + part(0xda, bytes([1, 1, 0, 0, 63, 0])) +
+            np.packbits(bits).tobytes() + b"\xff\xd9")
+
+
+def phone(name):
+    folder = work / name
+    folder.mkdir()
+    mesh_with_y_up(folder)
+    return folder
+
+
+def polycam():
+    folder = phone("polycam")
+    (folder / "keyframes/cameras").mkdir(parents=True)
+    (folder / "keyframes/images").mkdir()
+    for i, s in enumerate(shots):
+        pose = phone_pose(s)
+        keys = {f"t_{r}{c}": pose[r, c] for r in range(3) for c in range(4)}
+        (folder / f"keyframes/cameras/{i}.json").write_text(json.dumps({"width": s.w, "height": s.h, "fx": s.fx, "fy": s.fy, "cx": s.cx, "cy": s.cy} | keys))
+        (folder / f"keyframes/images/{i}.jpg").write_bytes(grey_jpeg(s.w, s.h))
+    return folder
+
+
+def record3d():
+    folder = phone("record3d")
+    (folder / "rgb").mkdir()
+    poses = []
+    for i, s in enumerate(shots):
+        turned = Shot.__new__(Shot)
+        turned.R = phone_pose(s)[:3, :3]
+        w, x, y, z = turned.quaternion()
+        poses.append([x, y, z, w, *phone_pose(s)[:3, 3]])
+        (folder / f"rgb/{i}.jpg").write_bytes(grey_jpeg(s.w, s.h))
+    (folder / "metadata.json").write_text(json.dumps({"w": first.w, "h": first.h, "fps": 30, "poses": poses,
+                                                      "K": [first.fx, 0, 0, 0, first.fy, 0, first.cx, first.cy, 1]}))
+    return folder
+
+
+def scanner_app():
+    folder = phone("scanner-app")
+    for i, s in enumerate(shots):
+        (folder / f"frame_{i:05}.json").write_text(json.dumps({"cameraPoseARFrame": phone_pose(s).ravel().tolist(), "frame_index": i,
+                                                              "intrinsics": [s.fx, 0, s.cx, 0, s.fy, s.cy, 0, 0, 1]}))
+        (folder / f"frame_{i:05}.jpg").write_bytes(grey_jpeg(s.w, s.h))
+    return folder
+
+
 def transforms(name, change):
     folder = room(name)
     copy = json.loads(json.dumps(file))
@@ -192,9 +276,11 @@ rooms = [
     ("Bundler, by COLMAP", lambda: converted("bundler", "Bundler", "bundle", "RADIAL" if lens else "SIMPLE_PINHOLE")),
     ("VisualSFM, by COLMAP", lambda: converted("nvm", "NVM", "model.nvm", "SIMPLE_PINHOLE")),
     ("Metashape", metashape), ("Meshroom", meshroom), ("RealityCapture", reality_capture), ("OpenMVG", open_mvg), ("LLFF", llff),
+    ("Polycam", polycam), ("Record3D", record3d), ("3D Scanner App", scanner_app),
 ]
 if lens:
-    rooms = [one for one in rooms if one[0].split(",")[0] not in ("VisualSFM", "LLFF") and "NeRF" not in one[0]]
+    rooms = [one for one in rooms if one[0].split(",")[0] not in ("VisualSFM", "LLFF", "Polycam", "Record3D", "3D Scanner App") and "NeRF" not in one[0]]
+missing = set(subprocess.run([arguments.doors, "--formats"], capture_output=True, text=True, check=True).stdout.splitlines())
 print("\n| door | read as | views | pixels apart, mean | worst |\n|---|---|---|---|---|")
 for name, make in rooms:
     run = subprocess.run([arguments.doors, source, make()], capture_output=True, text=True)
@@ -202,5 +288,7 @@ for name, make in rooms:
         print(f"| {name} | {run.stderr.strip()} | | | |")
         continue
     found = json.loads(run.stdout)
+    missing.discard(found["format"])
     print(f"| {name} | {found['format']} | {found['views']} of {found['of']} | {found['mean']:.2g} | {found['worst']:.2g} |")
+print("\nformats without a door here: " + (", ".join(sorted(missing)) or "none"))
 shutil.rmtree(work)
