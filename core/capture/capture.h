@@ -57,6 +57,8 @@ struct Capture {
     MeshReport meshReport;
     /// Faces of the mesh's file that have texture coordinates, by their vertices. Null where none has.
     std::shared_ptr<const std::vector<TexturedFace>> texcoords;
+    std::shared_ptr<const MeshPaint>
+        paint;                 ///< how the mesh's file paints it (capture/mesh_colours.h); null: it says nothing
     Vec3 up{0, 0, 1};          ///< axis of the files that is up; mesh and cameras here are turned so that it is +Z
     Mat3 worldFromFile{1};     ///< that turn
     double metresPerUnit = 1;  ///< how long one unit of the files is; cameras and mesh here are in metres

@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "capture/check_warnings.h"
+#include "capture/colour_agreement.h"
 #include "capture/orientation.h"
 #include "capture/placement_trials.h"
 #include "capture/view_sight.h"
@@ -180,6 +181,22 @@ void comparePoints(const Capture& capture, CaptureCheck& check) {
         check.meshToPoints = double(glm::length(check.meshMax - check.meshMin) / size);
 }
 
+void compareColours(const Capture& capture, const std::vector<ViewSight>& sights, CaptureCheck& check,
+                    Progress& progress) {
+    MeshColours colours = meshColours(capture, progress);
+    for (const std::string& fault : colours.faults) check.notes.push_back("the mesh's texture: " + fault);
+    if (colours.empty()) return;
+    const ColourAgreement found = colourAgreement(capture, colours, sights, progress);
+    check.meshColours = std::make_shared<const MeshColours>(std::move(colours));
+    if (found.views.empty()) return;
+    std::vector<double> cells;
+    for (const ColourView& view : found.views) cells.push_back(view.cell);
+    const ColourView& worst = found.worst();
+    check.colours =
+        ColourCheck{check.meshColours->images,        found.views.size(),         found.correlation, found.shift,
+                    double(glm::length(worst.shift)), medianOf(std::move(cells)), worst.name};
+}
+
 }  // namespace
 
 CaptureFix advised(CaptureFix fix, const PlacementAdvice& advice) {
@@ -270,6 +287,7 @@ CaptureCheck checkCapture(const Capture& capture, Progress& progress) {
     for (size_t s = 0; s < capture.environmentOfState.size(); ++s)
         check.environments.push_back(environmentInWords(capture, s));
     comparePoints(capture, check);
+    compareColours(capture, sights, check, progress);
     compareExposures(sights, check);
     guessAxes(capture, check);
     double covered = 0;

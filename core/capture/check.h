@@ -8,6 +8,7 @@
 
 #include "base/progress.h"
 #include "capture/capture.h"
+#include "capture/mesh_colours.h"
 
 namespace relamp {
 
@@ -46,6 +47,17 @@ struct UnitQuestion {
     double scale = 1;    ///< CaptureFix::scale
 };
 
+/// How photographs lie on the colours that the mesh's own file has, as far as they are alike.
+struct ColourCheck {
+    size_t images = 0;       ///< textures that were read; 0: colours of vertices
+    size_t views = 0;        ///< photographs that show enough of them
+    double correlation = 0;  ///< of local changes of brightness, median of the views; 1: they are the same
+    double shift = 0;        ///< pixels that photographs lie off, median
+    double worstShift = 0;   ///< of one view
+    double resolution = 0;   ///< pixels, median: finer changes were not compared
+    std::string worstView;
+};
+
 struct CaptureCheck {
     std::string format;  ///< Capture::format
     std::vector<ViewCheck> views;
@@ -65,8 +77,10 @@ struct CaptureCheck {
     double pointsOnMesh = -1;  ///< fraction of a reconstruction's points that lie on the mesh; negative: there are none
     double meshToPoints = 0;   ///< size of the mesh over the size of the points' cloud; 0: there are none
     std::optional<ReconstructionFigures> reconstruction;
-    double upAgreement = 0;      ///< cosine between the mean camera up and the file's up
-    bool lookBackwards = false;  ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
+    std::shared_ptr<const MeshColours> meshColours;  ///< of the mesh's own file; null: none
+    std::optional<ColourCheck> colours;  ///< none: the mesh's file has no colours, or photographs show too few of them
+    double upAgreement = 0;              ///< cosine between the mean camera up and the file's up
+    bool lookBackwards = false;          ///< the mesh lies behind the cameras: axes are OpenCV's, not OpenGL's
     std::optional<PlacementAdvice>
         advice;  ///< what the photographs speak for; the other warnings of poses then stay out
     std::optional<UnitQuestion> unitQuestion;

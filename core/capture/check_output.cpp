@@ -70,6 +70,11 @@ nlohmann::json toJson(const CaptureCheck& check) {
     for (const auto& [name, count] : check.states) result["states"].push_back({{"name", name}, {"views", count}});
     for (size_t s = 0; s < check.environments.size(); ++s) result["states"][s]["environment"] = check.environments[s];
     result["camera_distance"] = check.cameraDistance;
+    if (const auto& c = check.colours)
+        result["mesh_colours"] = {{"images", c->images},           {"views", c->views},
+                                  {"correlation", c->correlation}, {"shift", c->shift},
+                                  {"worst_shift", c->worstShift},  {"worst_view", c->worstView},
+                                  {"resolution", c->resolution}};
     if (const auto& r = check.reconstruction)
         result["reconstruction"] = {{"points", r->points},
                                     {"observations", r->observations},
@@ -120,6 +125,12 @@ std::string toText(const CaptureCheck& check) {
             "reconstruction: {} points, {} observations, reprojection error {:.4f} pixels (the model says {:.4f}), "
             "{:.1f} % of the points on the mesh\n",
             r->points, r->observations, r->errorPixels, r->statedErrorPixels, 100 * std::max(0.0, check.pointsOnMesh));
+    if (const auto& c = check.colours)
+        text += fmt::format(
+            "the mesh's own colours{}: photographs lie {:.2f} pixels off (median of {} views; worst {:.2f}, {}), "
+            "correlation {:.2f} at {:.1f} pixels\n",
+            c->images ? fmt::format(" ({} {})", c->images, c->images == 1 ? "image" : "images") : "", c->shift,
+            c->views, c->worstShift, c->worstView, c->correlation, c->resolution);
     text += fmt::format("axes: up is {}, the cameras say {}\n", check.up,
                         check.upGuess.empty() ? "nothing" : check.upGuess);
     for (const std::string& note : check.notes) text += fmt::format("note: {}\n", note);

@@ -80,6 +80,18 @@ void warn(const Capture& capture, CaptureCheck& check) {
             say(fmt::format("{} of COLMAP's observations do not project; the lens model folds back inside the image.",
                             percent(double(r.behind) / double(r.observations))));
     }
+    if (const auto& c = check.colours; c && !check.advice && !misplaced) {
+        // A few pixels are what automatic cameras are off by, and registration puts right.
+        const double width = check.views.empty() ? 0 : double(check.views[0].width);
+        if (c->correlation > 0.4 && c->shift > std::max({3.0, 0.005 * width, c->resolution}))
+            say(
+                fmt::format("The photographs lie {:.1f} pixels from the mesh's own colours (median of {} views; {}: "
+                            "{:.1f}): poses, lens or mesh are off by as much.",
+                            c->shift, c->views, c->worstView, c->worstShift));
+        else if (c->correlation > 0.4 && c->worstShift > std::max({6.0, 0.01 * width, 2 * c->resolution}))
+            say(fmt::format("{}: lies {:.1f} pixels from the mesh's own colours, the others {:.1f}; its pose is off.",
+                            c->worstView, c->worstShift, c->shift));
+    }
     if (check.pointsOnMesh >= 0 && check.pointsOnMesh < 0.3 && !check.advice) {
         std::string sentence =
             fmt::format("Only {} of COLMAP's points lie on the mesh; it seems to come from another run or unit.",

@@ -39,7 +39,9 @@ Capture loadCapture(const std::filesystem::path& folder, const LoadOptions& opti
     capture.readAs.leftHanded = source.leftHanded;
     progress.begin("Reading the mesh", 1);
     std::vector<TexturedFace> texcoords;
-    capture.mesh = readMesh(source.mesh, &capture.meshReport, {}, &texcoords);
+    MeshPaint paint;
+    capture.mesh = readMesh(source.mesh, &capture.meshReport, {}, &texcoords, &paint);
+    if (!paint.empty()) capture.paint = std::make_shared<const MeshPaint>(std::move(paint));
     if (!fix.meshMirror.empty())
         mirrorMesh(withContext("--mesh-mirror", [&] { return mirrorAxis(fix.meshMirror); }), capture.mesh,
                    capture.meshReport, texcoords);

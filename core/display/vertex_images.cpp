@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/statistics.h"
 #include "display/display_image.h"
 
 namespace relamp {
@@ -28,9 +29,20 @@ bool observed(const RadianceSamples& samples, size_t v, int view, Rgb& mean) {
 
 }  // namespace
 
-std::vector<Rgb> photographColours(const RadianceSamples& samples, int view) {
+std::vector<Rgb> photographColours(const RadianceSamples& samples, int view, const MeshColours* own) {
     std::vector<Rgb> colours(samples.start.size() - 1, unobservedLinear);
-    for (size_t v = 0; v < colours.size(); ++v) observed(samples, v, view, colours[v]);
+    std::vector<uint8_t> seen(colours.size(), 0);
+    for (size_t v = 0; v < colours.size(); ++v) seen[v] = observed(samples, v, view, colours[v]);
+    if (!own || own->empty()) return colours;
+    const size_t count = std::min(colours.size(), own->linear.size());
+    std::vector<float> ratio;
+    for (size_t v = 0; v < count; ++v)
+        if (seen[v] && own->painted[v] && luminance(own->linear[v]) > 1e-3f)
+            ratio.push_back(luminance(colours[v]) / luminance(own->linear[v]));
+    if (ratio.empty()) return colours;
+    const float gain = medianOf(std::move(ratio));
+    for (size_t v = 0; v < count; ++v)
+        if (!seen[v] && own->painted[v]) colours[v] = gain * own->linear[v];
     return colours;
 }
 

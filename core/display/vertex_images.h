@@ -4,6 +4,7 @@
 #pragma once
 #include <vector>
 
+#include "capture/mesh_colours.h"
 #include "radiance/samples.h"
 #include "scene/scene.h"
 #include "solve/estimate.h"
@@ -11,8 +12,8 @@
 namespace relamp {
 
 /// Weighted mean of what the photographs show (scene-linear). `view` >= 0: of that photograph only. Unobserved vertices
-/// are dark blue-grey.
-std::vector<Rgb> photographColours(const RadianceSamples& samples, int view = -1);
+/// are dark blue-grey, or as the mesh's own file paints them, as bright as the photographs (a first look).
+std::vector<Rgb> photographColours(const RadianceSamples& samples, int view = -1, const MeshColours* own = nullptr);
 /// Albedo (scene-linear, lobe 0 plus the mean reflectance of the others).
 std::vector<Rgb> albedoColours(const Estimate& estimate);
 /// Correction colours: what is left of albedo without its brightness; grey is neutral. Scene-linear.

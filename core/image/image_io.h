@@ -26,6 +26,11 @@ struct ImageReport {
 Image readImage(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,
                 size_t maxPixels = size_t(1) << 28, const std::function<void()>& between = {});
 
+/// The same of an image that lies in `size` bytes of a file from `begin` on, as a mesh holds its textures; a size of 0
+/// is the whole file.
+Image readImagePart(const std::filesystem::path& file, size_t begin, size_t size, size_t maxPixels = size_t(1) << 28,
+                    const std::function<void()>& between = {});
+
 /// The same with the values as they stand, for images that are changed and written again: negative ones stay and alpha
 /// is no mask; NaN and infinite ones are 0 and not usable.
 Image readValues(const std::filesystem::path& file, ImageReport* report = nullptr, bool dataFile = false,

@@ -1,5 +1,7 @@
 // Image files are read. OpenImageIO is named here and in image_writer.cpp only.
 #include <OpenImageIO/imageio.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -409,6 +411,33 @@ ExposureTags readExposureTags(const fs::path& file) {
 Image readImage(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,
                 const std::function<void()>& between) {
     return readPixels(file, report, dataFile, maxPixels, between, false);
+}
+
+Image readImagePart(const fs::path& file, size_t begin, size_t size, size_t maxPixels,
+                    const std::function<void()>& between) {
+    if (size == 0) return readImage(file, nullptr, false, maxPixels, between);
+    // A nameless file in memory, so that it is held to the same checks as any other.
+    constexpr size_t most = size_t(1) << 30;
+    if (size > most) throw Error("{}: holds an image of {} bytes, expected at most {}", file.string(), size, most);
+    std::string bytes(size, '\0');
+    std::ifstream stream(file, std::ios::binary);
+    stream.seekg(std::streamoff(begin));
+    if (!stream.read(bytes.data(), std::streamsize(size))) throw Error("{}: ends before its image", file.string());
+    const int part = memfd_create("image", MFD_CLOEXEC);
+    if (part < 0) throw OutOfResources("{}: no room for its image ({})", file.string(), std::strerror(errno));
+    const std::unique_ptr<const int, void (*)(const int*)> closes(&part, [](const int* open) { close(*open); });
+    for (size_t at = 0; at < size;) {
+        const ssize_t written = write(part, bytes.data() + at, size - at);
+        if (written <= 0) throw OutOfResources("{}: no room for its image", file.string());
+        at += size_t(written);
+    }
+    const std::string name = "/proc/self/fd/" + std::to_string(part);
+    try {
+        return readImage(name, nullptr, false, maxPixels, between);
+    } catch (const OutOfResources&) { throw; } catch (const Error& error) {
+        const std::string words = error.what();
+        throw Error("{}: its image{}", file.string(), words.substr(words.rfind(name, 0) == 0 ? name.size() : 0));
+    }
 }
 
 Image readValues(const fs::path& file, ImageReport* report, bool dataFile, size_t maxPixels,

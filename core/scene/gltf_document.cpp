@@ -140,13 +140,14 @@ bool isGltf(std::string_view bytes) {
     return at < bytes.size() && bytes[at] == '{';
 }
 
-GltfDocument::GltfDocument(std::string_view bytes, fs::path folder) : folder_(std::move(folder)) {
+GltfDocument::GltfDocument(std::string_view bytes, const fs::path& file) : file_(file), folder_(file.parent_path()) {
     bytes_ = bytes.size();
     std::string_view text = bytes;
     if (bytes.substr(0, 4) == glbMagic) {
         const GlbChunks chunks = chunksOf(bytes);
         text = chunks.json;
         chunk_ = chunks.binary;
+        chunkBegin_ = size_t(chunk_.data() - bytes.data());
         hasChunk_ = chunks.hasBinary;
     }
     root_ = std::make_unique<const Json>(parseJson(std::string(text)));
@@ -167,6 +168,9 @@ GltfDocument::GltfDocument(std::string_view bytes, fs::path folder) : folder_(st
     accessors_ = top.list("accessors");
     views_ = top.list("bufferViews");
     buffers_ = top.list("buffers");
+    materials_ = top.list("materials");
+    textures_ = top.list("textures");
+    images_ = top.list("images");
     contents_.resize(buffers_.size());
 }
 
@@ -195,6 +199,40 @@ std::vector<fs::path> GltfDocument::bufferFiles() const {
         if (const auto uri = buffer.get<std::string>("uri", ""); !uri.empty() && !isData(uri))
             files.push_back(fileOf(uri, buffer.name("uri")));
     return files;
+}
+
+std::vector<fs::path> GltfDocument::imageFiles() const {
+    std::vector<fs::path> files;
+    for (const JsonFields& image : images_)
+        if (const auto uri = image.get<std::string>("uri", ""); !uri.empty() && !isData(uri))
+            files.push_back(fileOf(uri, image.name("uri")));
+    return files;
+}
+
+std::optional<MeshImage> GltfDocument::colourImage(size_t material) const {
+    const JsonFields texture =
+        at(materials_, "materials", material, "material").object("pbrMetallicRoughness").object("baseColorTexture");
+    if (!texture.has("index") || texture.get("texCoord", 0) != 0 ||
+        texture.object("extensions").has("KHR_texture_transform"))
+        return std::nullopt;
+    const JsonFields& entry = at(textures_, "textures", texture.get<uint64_t>("index"), texture.name("index"));
+    if (!entry.has("source")) return std::nullopt;
+    const JsonFields& image = at(images_, "images", entry.get<uint64_t>("source"), entry.name("source"));
+    if (const auto uri = image.get<std::string>("uri", ""); isData(uri)) return std::nullopt;
+    else if (!uri.empty()) return MeshImage{fileOf(uri, image.name("uri"))};
+    const JsonFields& part = at(views_, "bufferViews", image.get<uint64_t>("bufferView"), image.name("bufferView"));
+    const JsonFields& held = at(buffers_, "buffers", part.get<uint64_t>("buffer"), part.name("buffer"));
+    const auto uri = held.get<std::string>("uri", "");
+    if (isData(uri)) return std::nullopt;
+    const auto begin = part.get<uint64_t>("byteOffset", 0), size = part.get<uint64_t>("byteLength");
+    if (begin > mostBufferBytes || size == 0 || size > mostBufferBytes) return std::nullopt;
+    if (!uri.empty()) return MeshImage{fileOf(uri, held.name("uri")), begin, size};
+    if (begin > chunk_.size() || size > chunk_.size() - begin) return std::nullopt;
+    return MeshImage{file_, chunkBegin_ + begin, size};
+}
+
+std::string GltfDocument::shapeOf(size_t accessor, const std::string& from) const {
+    return at(accessors_, "accessors", accessor, from).get<std::string>("type");
 }
 
 std::string_view GltfDocument::buffer(size_t index, const std::string& from) const {
@@ -246,7 +284,7 @@ size_t GltfDocument::count(size_t accessor, size_t most, const std::string& from
 }
 
 GltfValues GltfDocument::read(size_t accessor, size_t width, bool whole, const std::string& from) const {
-    constexpr const char* types[] = {"", "SCALAR", "VEC2", "VEC3"};
+    constexpr const char* types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     const JsonFields& fields = at(accessors_, "accessors", accessor, from);
     if (fields.has("sparse")) throw Error("{}: sparse accessors are not read", fields.name("sparse"));
     if (const auto type = fields.get<std::string>("type"); type != types[width])

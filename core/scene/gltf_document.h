@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/json_fields.h"
+#include "scene/mesh.h"
 
 namespace relamp {
 
@@ -22,9 +23,9 @@ struct GltfValues {
 
 class GltfDocument {
 public:
-    /// `bytes`: of a .glb or .gltf, which must outlive this; files that it names are looked for in `folder`. Throws
-    /// Error naming the field.
-    GltfDocument(std::string_view bytes, std::filesystem::path folder);
+    /// `bytes`: of the .glb or .gltf `file`, which must outlive this; files that it names are looked for beside it.
+    /// Throws Error naming the field.
+    GltfDocument(std::string_view bytes, const std::filesystem::path& file);
     ~GltfDocument();
 
     JsonFields root() const;
@@ -36,22 +37,29 @@ public:
 
     /// What an accessor claims, without reading it. `most`: elements that it may have at most.
     size_t count(size_t accessor, size_t most, const std::string& from) const;
-    /// Numbers of VEC3, VEC2 or SCALAR accessors (`width` 3, 2, 1); integers as they are, or in [-1, 1] where they are
-    /// `normalized`. `whole`: only unsigned integers. Throws Error naming the field.
+    /// Numbers of VEC4, VEC3, VEC2 or SCALAR accessors (`width` 4 to 1); integers as they are, or in [-1, 1] where they
+    /// are `normalized`. `whole`: only unsigned integers. Throws Error naming the field.
     GltfValues read(size_t accessor, size_t width, bool whole, const std::string& from) const;
 
-    /// Files that the buffers name.
+    /// Files that the buffers and the images name.
     std::vector<std::filesystem::path> bufferFiles() const;
+    std::vector<std::filesystem::path> imageFiles() const;
+    /// The image that a material has for its colour, where it is read by TEXCOORD_0 as that stands; nothing where there
+    /// is none, or only in the text as base64.
+    std::optional<MeshImage> colourImage(size_t material) const;
+    /// "VEC3" or the like.
+    std::string shapeOf(size_t accessor, const std::string& from) const;
     /// Bytes of the file and of the buffers read so far.
     size_t bytes() const { return bytes_; }
 
 private:
     using List = std::vector<JsonFields>;
-    std::filesystem::path folder_;
+    std::filesystem::path file_, folder_;
     std::unique_ptr<const Json> root_;
     std::string_view chunk_;
+    size_t chunkBegin_ = 0;  ///< in the file
     bool hasChunk_ = false;
-    List nodes_, meshes_, accessors_, views_, buffers_;
+    List nodes_, meshes_, accessors_, views_, buffers_, materials_, textures_, images_;
     mutable std::vector<std::optional<std::string_view>> contents_;  ///< of the buffers, once they are read
     mutable std::deque<std::string> owned_;
     mutable size_t bytes_ = 0;

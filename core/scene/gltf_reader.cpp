@@ -1,10 +1,9 @@
-// glTF 2.0 (.glb, .gltf): triangles of the scene's nodes where these put them. Materials and motion are passed
-// over. Y stays up here; what is up is the capture's to say.
+// glTF 2.0 (.glb, .gltf): triangles of the scene's nodes where these put them, and the image or the colours of their
+// vertices. What else materials hold, and motion, is passed over. Y stays up here; what is up is the capture's to say.
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "base/atomic_file.h"
 #include "scene/equal_vertices.h"
 #include "scene/gltf_document.h"
 #include "scene/triangle_soup.h"
@@ -17,7 +16,8 @@ constexpr size_t nothing = ~size_t(0);
 
 /// The triangles of a mesh with one material, by the accessors that hold them; `nothing` where there is none.
 struct Primitive {
-    size_t positions = nothing, normals = nothing, texcoords = nothing, indices = nothing;
+    size_t positions = nothing, normals = nothing, texcoords = nothing, indices = nothing, colours = nothing;
+    size_t material = nothing;
     int mode = 4;
     std::string where;
 };
@@ -40,7 +40,9 @@ std::vector<Primitive> primitivesOf(const JsonFields& mesh) {
         if (p.mode < 4 || p.positions == nothing) continue;  // points and lines
         p.normals = indexIn(attributes, "NORMAL");
         p.texcoords = indexIn(attributes, "TEXCOORD_0");
+        p.colours = indexIn(attributes, "COLOR_0");
         p.indices = indexIn(fields, "indices");
+        p.material = indexIn(fields, "material");
         p.where = fields.name("attributes");
         primitives.push_back(std::move(p));
     }
@@ -145,6 +147,8 @@ public:
             for (auto child = children.rbegin(); child != children.rend(); ++child)
                 open.push_back({*child, world, from});
         }
+        if (!soup_.paint.colours.empty()) soup_.paint.colours.resize(soup_.positions.size(), Vec3(0));
+        soup_.paint.linear = true;
         return std::move(soup_);
     }
 
@@ -154,7 +158,8 @@ private:
     TriangleSoup soup_;
     std::vector<std::vector<Primitive>> primitives_;  // of each mesh, once it is known
     std::vector<uint8_t> known_;
-    size_t numbers_ = 0;  // that were read
+    std::map<size_t, int> imageOf_;  // material, in soup_.paint.images; -1: none
+    size_t numbers_ = 0;             // that were read
 
     /// One mesh may be placed by many nodes, and one accessor named by many primitives: a small file would stand for
     /// any number of triangles. Asked when the bytes of its buffers are known.
@@ -180,7 +185,11 @@ private:
         std::map<std::pair<size_t, size_t>, size_t> placed;  // where the vertices of two accessors begin
         for (const Primitive& p : primitives_[index]) {
             const auto [at, isNew] = placed.emplace(std::pair(p.positions, p.normals), soup_.positions.size());
-            if (isNew) addVertices(p, world);
+            if (isNew) {
+                addVertices(p, world);
+                addColours(p, at->second);
+            }
+            soup_.image = imageOf(p.material);
             addFaces(p, at->second, glm::determinant(glm::dmat3(world)) < 0);
         }
     }
@@ -204,6 +213,38 @@ private:
             const double length = glm::length(n);
             if (length > 0 && std::isfinite(length)) soup_.normals[before + v] = Vec3(n / length);
         }
+    }
+
+    /// Colours are a look and no geometry: what is wrong with them leaves them out.
+    void addColours(const Primitive& p, size_t first) {
+        if (p.colours == nothing) return;
+        const std::string where = p.where + ".COLOR_0";
+        try {
+            const size_t width = document_.shapeOf(p.colours, where) == "VEC4" ? 4 : 3;
+            document_.count(p.colours, limits_.maxVertices, where);
+            const GltfValues colours = read(p.colours, width, false, where);
+            soup_.paint.colours.resize(first, Vec3(0));
+            for (size_t v = 0; first + v < soup_.positions.size(); ++v)
+                soup_.paint.colours.push_back(v < colours.count
+                                                  ? Vec3(DVec3(colours.values[width * v], colours.values[width * v + 1],
+                                                               colours.values[width * v + 2]))
+                                                  : Vec3(0));
+        } catch (const Error&) { return; }
+    }
+
+    int imageOf(size_t material) {
+        if (material == nothing) return -1;
+        const auto [at, isNew] = imageOf_.emplace(material, -1);
+        if (!isNew) return at->second;
+        try {
+            if (const std::optional<MeshImage> image = document_.colourImage(material)) {
+                std::vector<MeshImage>& images = soup_.paint.images;
+                const auto known = std::find(images.begin(), images.end(), *image);
+                at->second = int(known - images.begin());
+                if (known == images.end()) images.push_back(*image);
+            }
+        } catch (const Error&) { at->second = -1; }
+        return at->second;
     }
 
     void addFaces(const Primitive& p, size_t first, bool mirrored) {
@@ -249,31 +290,24 @@ void joinSplitVertices(TriangleSoup& soup) {
         }
         soup.positions[kept] = soup.positions[v];
         soup.normals[kept] = soup.normals[v];
+        if (v < soup.paint.colours.size()) soup.paint.colours[kept] = soup.paint.colours[v];
         place[v] = kept++;
     }
     soup.positions.resize(kept);
     soup.normals.resize(kept);
+    if (!soup.paint.colours.empty()) soup.paint.colours.resize(kept);
     for (Triangle& t : soup.triangles)
         for (uint32_t& v : t) v = place[v];
 }
 
 }  // namespace
 
-TriangleSoup readGltf(std::string_view bytes, const fs::path& folder, const MeshLimits& limits) {
-    const GltfDocument document(bytes, folder);
+TriangleSoup readGltf(std::string_view bytes, const fs::path& file, const MeshLimits& limits) {
+    const GltfDocument document(bytes, file);
     TriangleSoup soup = SoupBuilder(document, limits).build();
     joinSplitVertices(soup);
     soup.yUp = true;
     return soup;
-}
-
-std::vector<fs::path> filesBesideMesh(const fs::path& file) {
-    std::string ending = file.extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (ending != ".gltf" && ending != ".glb") return {};
-    try {
-        return GltfDocument(readBytes(file, mostMeshBytes), file.parent_path()).bufferFiles();
-    } catch (const Error&) { return {}; }  // reading it says what is wrong
 }
 
 }  // namespace relamp

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,22 @@ using FaceTexcoords = std::array<Vec2, 3>;
 struct TexturedFace {
     Triangle corners;
     FaceTexcoords texcoords;
+    int image = -1;  ///< of MeshPaint::images; -1: none
+};
+
+/// An image that a mesh's file names, or that lies in a file among other bytes.
+struct MeshImage {
+    std::filesystem::path file;
+    size_t begin = 0, size = 0;  ///< of its bytes; a size of 0: the whole file
+    bool operator==(const MeshImage&) const = default;
+};
+
+/// How a mesh's own file paints its surface: with images, by texture coordinates, or a colour for each vertex.
+struct MeshPaint {
+    std::vector<MeshImage> images;
+    std::vector<Vec3> colours;  ///< per vertex, 0 to 1; empty: none
+    bool linear = false;        ///< `colours` are linear, else as sRGB encodes them
+    bool empty() const { return images.empty() && colours.empty(); }
 };
 
 /// What the loader found and repaired.

@@ -65,12 +65,12 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
     if (bytes.empty()) throw Error("is empty");
     const std::string extension = lowerExtension(file);
     if (bytes.substr(0, 3) == "ply" && bytes.size() > 3 && TextScanner::isSpace(bytes[3]))
-        return readPly(bytes, limits);
-    if (isGltf(bytes)) return readGltf(bytes, file.parent_path(), limits);
+        return readPly(bytes, file, limits);
+    if (isGltf(bytes)) return readGltf(bytes, file, limits);
     if (isOff(bytes)) return isBinaryOff(bytes) ? readBinaryOff(bytes, limits) : readOff(bytes, limits);
-    if (extension == ".obj") return readObj(bytes, limits);
+    if (extension == ".obj") return readObj(bytes, file, limits);
     if (extension == ".stl") return readStl(bytes, limits);
-    if (extension == ".ply") return readPly(bytes, limits);
+    if (extension == ".ply") return readPly(bytes, file, limits);
     if (extension == ".off") return readOff(bytes, limits);
     if (extension == ".om") return readWithOpenMesh(bytes, limits);
     throw Error("is no mesh relamp reads, expected PLY, OBJ, glTF, STL, OFF or OM");
@@ -79,19 +79,21 @@ TriangleSoup readSoup(const fs::path& file, std::string_view bytes, const MeshLi
 std::vector<TexturedFace> texturedFaces(const TriangleSoup& soup) {
     std::vector<TexturedFace> faces;
     for (size_t t = 0; t < soup.texcoords.size(); ++t)
-        if (soup.texcoords[t] != FaceTexcoords{}) faces.push_back({soup.triangles[t], soup.texcoords[t]});
+        if (soup.texcoords[t] != FaceTexcoords{})
+            faces.push_back({soup.triangles[t], soup.texcoords[t], t < soup.images.size() ? soup.images[t] : -1});
     return faces;
 }
 
 }  // namespace
 
-Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits,
-              std::vector<TexturedFace>* texcoords) {
+Mesh readMesh(const fs::path& file, MeshReport* report, const MeshLimits& limits, std::vector<TexturedFace>* texcoords,
+              MeshPaint* paint) {
     const std::string bytes = readBytes(file, mostMeshBytes);
     return withContext(file.string(), [&] {
         MeshReport found;
         TriangleSoup soup = readSoup(file, bytes, limits);
         if (texcoords) *texcoords = texturedFaces(soup);
+        if (paint) *paint = std::move(soup.paint);
         Mesh mesh = repairSoup(std::move(soup), report != nullptr, found);
         if (report) *report = found;
         return mesh;

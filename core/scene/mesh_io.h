@@ -15,14 +15,15 @@ struct MeshLimits {
 /// not a mesh, counts beyond the limits or beyond what the file's size can hold, no triangles left. Files are read in
 /// double. With a `report` that can say so, a mesh that lies farther from the origin than twice its size is moved near
 /// it, so that single precision holds it (report->origin). `texcoords`, if not null, becomes the faces that have
-/// texture coordinates in the file, also those that were dropped.
+/// texture coordinates in the file, also those that were dropped. `paint`, if not null, becomes what the file says of
+/// colours; no image is opened, and one that is named wrongly is none.
 Mesh readMesh(const std::filesystem::path& file, MeshReport* report = nullptr, const MeshLimits& limits = {},
-              std::vector<TexturedFace>* texcoords = nullptr);
+              std::vector<TexturedFace>* texcoords = nullptr, MeshPaint* paint = nullptr);
 
 /// Larger files are refused.
 constexpr size_t mostMeshBytes = size_t(1) << 36;
 
-/// Files that a mesh is made of besides its own: a glTF's buffers. None where it cannot be read.
+/// Files that a mesh is made of besides its own: a glTF's buffers, materials, images. None where it cannot be read.
 std::vector<std::filesystem::path> filesBesideMesh(const std::filesystem::path& file);
 
 /// Where the positions of a mesh in this box are to count from: 0 for one about the origin; for one farther from it

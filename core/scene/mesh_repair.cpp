@@ -143,7 +143,11 @@ void TriangleSoup::addFace(const std::vector<int64_t>& corners, size_t vertices,
         throw Error("has more than {} triangles", limits.maxTriangles);
     if (places && places->size() == corners.size()) {
         texcoords.resize(triangles.size());
-        for (size_t c = 2; c < corners.size(); ++c) texcoords.push_back({(*places)[0], (*places)[c - 1], (*places)[c]});
+        images.resize(triangles.size(), -1);
+        for (size_t c = 2; c < corners.size(); ++c) {
+            texcoords.push_back({(*places)[0], (*places)[c - 1], (*places)[c]});
+            images.push_back(image);
+        }
     }
     for (size_t c = 2; c < corners.size(); ++c)
         triangles.push_back({uint32_t(corners[0]), uint32_t(corners[c - 1]), uint32_t(corners[c])});

@@ -1,6 +1,7 @@
-// OBJ, OFF and ascii text in general: vertices and polygons; materials and groups are passed over.
+// OBJ, OFF and ascii text in general: vertices and polygons, and of materials the image; groups are passed over.
 #include "base/error.h"
 #include "base/text_scanner.h"
+#include "scene/mesh_materials.h"
 #include "scene/triangle_soup.h"
 
 namespace relamp {
@@ -31,6 +32,26 @@ DVec3 threeNumbers(TextScanner& words, const char* what, size_t lineNumber) {
     return v;
 }
 
+/// What follows "v x y z" where it is a colour, as scanners write it.
+void addColour(TextScanner& words, TriangleSoup& soup) {
+    Vec3 colour(0);
+    for (int c = 0; c < 3; ++c) {
+        const auto value = TextScanner::number(words.word('#'));
+        if (!value || !std::isfinite(*value)) return;
+        colour[c] = float(*value);
+    }
+    soup.paint.colours.resize(soup.positions.size() - 1, Vec3(0));
+    soup.paint.colours.push_back(colour);
+}
+
+/// Names may hold spaces.
+std::string restOf(TextScanner& words) {
+    std::string_view rest = words.line();
+    while (!rest.empty() && TextScanner::isSpace(rest.front())) rest.remove_prefix(1);
+    while (!rest.empty() && TextScanner::isSpace(rest.back())) rest.remove_suffix(1);
+    return std::string(rest);
+}
+
 /// "vt": v may be missing.
 Vec2 twoNumbers(TextScanner& words, size_t lineNumber) {
     const std::string_view first = words.word(), second = words.word('#');
@@ -48,8 +69,9 @@ int64_t fromOne(std::optional<int64_t> index, size_t soFar) {
 
 }  // namespace
 
-TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup readObj(std::string_view bytes, const std::filesystem::path& file, const MeshLimits& limits) {
     TriangleSoup soup;
+    ObjMaterials materials(file.parent_path());
     std::vector<Vec3> normals;
     struct Corner {
         uint32_t vertex, normal;
@@ -57,6 +79,7 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
     std::vector<Corner> corners;  // which normal a face gives a vertex; both may be declared later in the file
     struct Face {
         std::vector<int64_t> vertices, texcoords;
+        int image = -1;
     };
     std::vector<Face> late;
     std::vector<Vec2> texcoords, places;
@@ -65,6 +88,7 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
         places.clear();
         for (const int64_t t : f.texcoords)
             if (t >= 0 && t < int64_t(texcoords.size())) places.push_back(texcoords[size_t(t)]);
+        soup.image = f.image;
         soup.addFace(f.vertices, soup.positions.size(), limits, &places);
     };
     std::string joined;
@@ -76,10 +100,15 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
             if (soup.positions.size() >= limits.maxVertices)
                 throw Error("has more than {} vertices", limits.maxVertices);
             soup.positions.push_back(threeNumbers(words, "v", lineNumber));
+            addColour(words, soup);
         } else if (key == "vn") {
             normals.emplace_back(threeNumbers(words, "vn", lineNumber));
         } else if (key == "vt") {
             texcoords.push_back(twoNumbers(words, lineNumber));
+        } else if (key == "mtllib") {
+            materials.read(restOf(words));
+        } else if (key == "usemtl") {
+            face.image = materials.imageOf(restOf(words));
         } else if (key == "f") {
             face.vertices.clear();
             face.texcoords.clear();
@@ -106,6 +135,8 @@ TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits) {
         }
     }
     for (const Face& lateFace : late) addFace(lateFace);
+    if (!soup.paint.colours.empty()) soup.paint.colours.resize(soup.positions.size(), Vec3(0));
+    soup.paint.images = materials.images();
     if (!corners.empty()) {
         soup.normals.assign(soup.positions.size(), Vec3(0));
         for (const Corner& c : corners)

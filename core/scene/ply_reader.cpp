@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/text_scanner.h"
+#include "scene/mesh_materials.h"
 #include "scene/triangle_soup.h"
 
 namespace relamp {
@@ -30,6 +31,14 @@ size_t leastBytes(const PlyElement& element, PlyEncoding encoding) {
     for (const PlyProperty& p : element.properties)
         bytes += encoding == PlyEncoding::ascii ? 2 : plySize(p.isList ? p.countType : p.type);
     return bytes;
+}
+
+/// Names may hold spaces.
+std::string restOfLine(TextScanner& words) {
+    std::string_view rest = words.line();
+    while (!rest.empty() && TextScanner::isSpace(rest.front())) rest.remove_prefix(1);
+    while (!rest.empty() && TextScanner::isSpace(rest.back())) rest.remove_suffix(1);
+    return std::string(rest);
 }
 
 template <class T>
@@ -108,8 +117,10 @@ PlyHeader readPlyHeader(std::string_view bytes) {
             property.type = typeNamed(type);
             property.name = words.word();
             header.elements.back().properties.push_back(std::move(property));
+        } else if (key == "comment" && words.word() == "TextureFile") {
+            header.textureFiles.push_back(restOfLine(words));
         }
-        // comment, obj_info and unknown lines say nothing about the data
+        // other comments, obj_info and unknown lines say nothing about the data
     }
     if (!hasFormat) throw Error("header: format is missing");
     header.bodyAt = whole - scanner.remaining();
@@ -188,6 +199,20 @@ std::array<int, 2> texcoordsAt(const PlyElement& element) {
     return {-1, -1};
 }
 
+/// What a colour of this type has where it is full.
+double fullOf(PlyType type) { return type == PlyType::uint8 ? 255 : type == PlyType::uint16 ? 65535 : 1; }
+
+/// Where the colour of a vertex stands; [0] is -1 where it has none.
+std::array<int, 3> coloursAt(const PlyElement& element) {
+    constexpr const char* names[][3] = {{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}};
+    for (const auto& [r, g, b] : names) {
+        const std::array<int, 3> at{element.find(r), element.find(g), element.find(b)};
+        if (std::all_of(at.begin(), at.end(), [&](int p) { return p >= 0 && !element.properties[size_t(p)].isList; }))
+            return at;
+    }
+    return {-1, -1, -1};
+}
+
 void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& soup, std::vector<Vec2>& texcoords) {
     const int x = element.find("x"), y = element.find("y"), z = element.find("z");
     if (x < 0 || y < 0 || z < 0) throw Error("element vertex has no x, y and z");
@@ -197,6 +222,8 @@ void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& so
     if (hasNormals) soup.normals.resize(element.count);
     const auto [u, t] = texcoordsAt(element);
     if (u >= 0) texcoords.resize(element.count);
+    const std::array<int, 3> colour = coloursAt(element);
+    if (colour[0] >= 0) soup.paint.colours.resize(element.count);
     std::vector<double> ignored;
     std::vector<double> row(element.properties.size());
     for (size_t v = 0; v < element.count; ++v) {
@@ -207,6 +234,10 @@ void readVertices(PlyCursor& cursor, const PlyElement& element, TriangleSoup& so
         soup.positions[v] = {row[size_t(x)], row[size_t(y)], row[size_t(z)]};
         if (hasNormals) soup.normals[v] = Vec3(DVec3(row[size_t(nx)], row[size_t(ny)], row[size_t(nz)]));
         if (u >= 0) texcoords[v] = Vec2(float(row[size_t(u)]), float(row[size_t(t)]));
+        for (size_t c = 0; colour[0] >= 0 && c < 3; ++c) {
+            const size_t at = size_t(colour[c]);
+            soup.paint.colours[v][int(c)] = float(row[at] / fullOf(element.properties[at].type));
+        }
     }
 }
 
@@ -220,6 +251,9 @@ void readFaces(PlyCursor& cursor, const PlyElement& element, size_t vertices, bo
     if (wanted < 0 || !element.properties[size_t(wanted)].isList) return cursor.skip(element);
     int texcoord = element.find("texcoord");
     if (texcoord >= 0 && !element.properties[size_t(texcoord)].isList) texcoord = -1;
+    const int number = element.find("texnumber");
+    const int images = int(soup.paint.images.size());
+    soup.image = images == 0 ? -1 : 0;
     if (!strips) soup.triangles.reserve(std::min(element.count, limits.maxTriangles));
     std::vector<double> values, texcoords, ignored;
     std::vector<int64_t> corners;
@@ -227,8 +261,10 @@ void readFaces(PlyCursor& cursor, const PlyElement& element, size_t vertices, bo
     for (size_t f = 0; f < element.count; ++f) {
         for (size_t p = 0; p < element.properties.size(); ++p) {
             const PlyProperty& property = element.properties[p];
-            if (!property.isList) cursor.scalar(property.type);
-            else cursor.list(property, int(p) == wanted ? values : int(p) == texcoord ? texcoords : ignored);
+            if (!property.isList) {
+                const double value = cursor.scalar(property.type);
+                if (int(p) == number) soup.image = value >= 0 && value < images ? int(value) : -1;
+            } else cursor.list(property, int(p) == wanted ? values : int(p) == texcoord ? texcoords : ignored);
         }
         if (!strips) {
             corners.resize(values.size());
@@ -253,7 +289,7 @@ void readFaces(PlyCursor& cursor, const PlyElement& element, size_t vertices, bo
 
 }  // namespace
 
-TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits) {
+TriangleSoup readPly(std::string_view bytes, const std::filesystem::path& file, const MeshLimits& limits) {
     const PlyHeader header = readPlyHeader(bytes);
     size_t vertices = 0;
     bool hasVertices = false;
@@ -265,6 +301,8 @@ TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits) {
     }
     if (!hasVertices) throw Error("has no element vertex");
     TriangleSoup soup;
+    for (const std::string& name : header.textureFiles)
+        soup.paint.images.push_back({fileNamedIn(file.parent_path(), name)});
     PlyCursor cursor(bytes, header);
     std::vector<Vec2> texcoords;
     bool done = false;
@@ -285,6 +323,7 @@ TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits) {
             for (size_t k = 0; k < 3; ++k)
                 if (t[k] < texcoords.size()) places[k] = texcoords[t[k]];
             soup.texcoords.push_back(places);
+            soup.images.push_back(soup.paint.images.empty() ? -1 : 0);
         }
     return soup;
 }

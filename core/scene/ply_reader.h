@@ -27,7 +27,8 @@ struct PlyElement {
 struct PlyHeader {
     PlyEncoding encoding = PlyEncoding::ascii;
     std::vector<PlyElement> elements;
-    size_t bodyAt = 0;  ///< first byte after end_header
+    std::vector<std::string> textureFiles;  ///< "comment TextureFile NAME", as MeshLab writes it
+    size_t bodyAt = 0;                      ///< first byte after end_header
 };
 
 /// Parses the header. Throws Error on anything that is no PLY, and when a count is negative or needs more bytes than

@@ -17,6 +17,9 @@ struct TriangleSoup {
     std::vector<Vec3> normals;     ///< as many as positions, or empty; not normalised, zero where the file gives none
     std::vector<Triangle> triangles;
     std::vector<FaceTexcoords> texcoords;  ///< of the first triangles; those behind have none
+    std::vector<int> images;               ///< of MeshPaint::images, as many as texcoords
+    int image = -1;                        ///< that faces added from here on have
+    MeshPaint paint;                       ///< as many colours as positions, or none
     bool yUp = false;                      ///< as MeshReport's
     size_t polygons = 0;                   ///< faces of more than three corners, cut into fans
     size_t badIndexFaces = 0;  ///< faces with a corner outside the vertices, or fewer than three corners: dropped
@@ -29,13 +32,13 @@ struct TriangleSoup {
 
 /// The readers take the whole file's bytes and throw Error without the file's name. Counts are held against the bytes
 /// that are there before memory is asked for.
-TriangleSoup readPly(std::string_view bytes, const MeshLimits& limits);
-TriangleSoup readObj(std::string_view bytes, const MeshLimits& limits);
+/// `file`: for the files that it names.
+TriangleSoup readPly(std::string_view bytes, const std::filesystem::path& file, const MeshLimits& limits);
+TriangleSoup readObj(std::string_view bytes, const std::filesystem::path& file, const MeshLimits& limits);
 TriangleSoup readOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readBinaryOff(std::string_view bytes, const MeshLimits& limits);
 TriangleSoup readStl(std::string_view bytes, const MeshLimits& limits);
-/// `folder`: where the files that it names are.
-TriangleSoup readGltf(std::string_view bytes, const std::filesystem::path& folder, const MeshLimits& limits);
+TriangleSoup readGltf(std::string_view bytes, const std::filesystem::path& file, const MeshLimits& limits);
 
 /// Drops faces that are no surface, fills in normals, turns faces round that are turned against the file's normals at
 /// all their corners, counts what is left (see MeshReport). Vertices keep their order; those that are not finite are

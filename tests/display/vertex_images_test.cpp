@@ -25,6 +25,19 @@ TEST(VertexImages, photographColoursAreWeightedMeans) {
     EXPECT_EQ(first[1], all[2]);
 }
 
+TEST(VertexImages, whatNoPhotographShowsHasTheMeshsOwnColoursAsBrightAsTheOthers) {
+    MeshColours own;
+    own.linear = {Rgb(0.4f, 0.4f, 0.4f), Rgb(0.1f), Rgb(0.3f, 0.1f, 0.2f)};
+    own.painted = {1, 1, 1};
+    const std::vector<Rgb> all = photographColours(threeVertices(), -1, &own);
+    EXPECT_FLOAT_EQ(all[0].x, 2);  // five times its own
+    EXPECT_FLOAT_EQ(all[1].y, 0.5f);
+    EXPECT_FLOAT_EQ(all[2].x, 1.5f);
+    EXPECT_FLOAT_EQ(all[2].y, 0.5f);
+    own.painted[2] = 0;
+    EXPECT_EQ(photographColours(threeVertices(), -1, &own)[2], photographColours(threeVertices())[2]);
+}
+
 TEST(VertexImages, differenceIsGreyWhereTheModelIsRightAndPointsTheRightWay) {
     const std::vector<Rgb> right = differenceColours({Rgb(2), Rgb(0.5f), Rgb(1)}, threeVertices());
     EXPECT_NEAR(right[0].x, 0.5f, 1e-3f);

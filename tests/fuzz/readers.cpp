@@ -2,6 +2,7 @@
 #include "brdf/merl.h"
 #include "capture/colmap.h"
 #include "capture/load_capture.h"
+#include "capture/mesh_colours.h"
 #include "capture/orientation.h"
 #include "capture/transforms_json.h"
 #include "fuzz/target.h"
@@ -28,8 +29,14 @@ void mesh(std::string_view bytes) {
     constexpr const char* names[] = {"mesh.ply", "mesh.obj", "mesh.off", "mesh.stl", "mesh.om", "mesh.glb"};
     MeshReport report;
     std::vector<TexturedFace> faces;
-    const Mesh read = readMesh(fileWith(names[kind], bytes), &report, {}, &faces);
+    MeshPaint paint;
+    const Mesh read = readMesh(fileWith(names[kind], bytes), &report, {}, &faces, &paint);
     texcoordsOf(faces, read.triangles);
+    for (const TexturedFace& face : faces)
+        if (face.image < -1 || face.image >= int(paint.images.size()))
+            throw std::logic_error("a face names an image that is not there");
+    if (!paint.colours.empty() && paint.colours.size() != read.vertexCount())
+        throw std::logic_error("there are more or fewer colours than vertices");
     for (const Triangle& t : read.triangles)
         for (const uint32_t v : t)
             if (v >= read.vertexCount()) throw std::logic_error("a triangle names a vertex that is not there");
@@ -38,6 +45,23 @@ void mesh(std::string_view bytes) {
 }
 const Target ply("mesh-ply", mesh<0>), obj("mesh-obj", mesh<1>), off("mesh-off", mesh<2>), stl("mesh-stl", mesh<3>),
     om("mesh-om", mesh<4>), gltf("mesh-gltf", mesh<5>);
+/// The materials of a square, whatever they say.
+const Target mtl("mesh-mtl", [](std::string_view bytes) {
+    fileWith("square.mtl", bytes);
+    const auto square = fileWith("square.obj",
+                                 "mtllib square.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+                                 "usemtl print\nf 1/1 2/2 3/3\n");
+    Capture capture;
+    std::vector<TexturedFace> faces;
+    MeshPaint paint;
+    capture.mesh = readMesh(square, nullptr, {}, &faces, &paint);
+    filesBesideMesh(square);
+    capture.texcoords = std::make_shared<const std::vector<TexturedFace>>(faces);
+    capture.paint = std::make_shared<const MeshPaint>(paint);
+    Progress progress;
+    if (meshColours(capture, progress).painted.size() > capture.mesh.vertexCount())
+        throw std::logic_error("more vertices are painted than there are");
+});
 const Target vertexPly("vertex-ply", [](std::string_view bytes) { readVertexPly(fileWith("vertices.ply", bytes)); });
 
 const Target ies("ies", [](std::string_view bytes) {

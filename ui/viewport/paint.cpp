@@ -112,7 +112,10 @@ bool display(PaintedMesh& painted, std::vector<Rgb> colours) {
 }
 
 bool paintPhotographs(const PaintSource& from, PaintedMesh& painted) {
-    return from.samples && linear(painted, photographColours(*from.samples), Rgb(0.05f));
+    if (!from.samples) return false;
+    const std::shared_ptr<const CaptureCheck>& check = from.editor.state.document.check;
+    const MeshColours* own = check ? check->meshColours.get() : nullptr;
+    return linear(painted, photographColours(*from.samples, -1, own), Rgb(0.05f));
 }
 
 bool paintLive(const PaintSource& from, PaintedMesh& painted) {
