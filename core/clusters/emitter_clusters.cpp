@@ -23,25 +23,7 @@ std::vector<uint8_t> withinOneRing(const Scene& scene, const std::vector<uint8_t
     return result;
 }
 
-/// Area, centroid and normal of its triangles.
-void measureTriangles(const Scene& scene, EmitterCluster& cluster) {
-    double area = 0;
-    DVec3 centre(0), normal(0);
-    for (const uint32_t t : cluster.triangles) {
-        const Triangle& i = scene.mesh.triangles[t];
-        const double a = scene.mesh.triangleArea(t);
-        area += a;
-        centre += a * DVec3(scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]) / 3.0;
-        normal += a * DVec3(scene.mesh.faceNormal(t));
-    }
-    cluster.area = float(area);
-    if (area > 0) {
-        cluster.centroid = Vec3(centre / area);
-        cluster.normal = glm::length(normal) > 0.1 * area ? Vec3(glm::normalize(normal)) : Vec3(0);
-    }
-}
-
-/// The same; its triangles are those of its vertices.
+/// measureTriangles; its triangles are those of its vertices.
 void measure(const Scene& scene, EmitterCluster& cluster) {
     std::vector<uint8_t> mine(scene.mesh.vertexCount(), 0);
     for (uint32_t v : cluster.vertices) mine[v] = 1;
@@ -438,6 +420,23 @@ void logClusters(const EmitterClusters& result) {
 }
 
 }  // namespace
+
+void measureTriangles(const Scene& scene, EmitterCluster& cluster) {
+    double area = 0;
+    DVec3 centre(0), normal(0);
+    for (const uint32_t t : cluster.triangles) {
+        const Triangle& i = scene.mesh.triangles[t];
+        const double a = scene.mesh.triangleArea(t);
+        area += a;
+        centre += a * DVec3(scene.mesh.positions[i[0]] + scene.mesh.positions[i[1]] + scene.mesh.positions[i[2]]) / 3.0;
+        normal += a * DVec3(scene.mesh.faceNormal(t));
+    }
+    cluster.area = float(area);
+    if (area > 0) {
+        cluster.centroid = Vec3(centre / area);
+        cluster.normal = glm::length(normal) > 0.1 * area ? Vec3(glm::normalize(normal)) : Vec3(0);
+    }
+}
 
 void indexEmitters(const Scene& scene, EmitterClusters& clusters) {
     std::erase_if(clusters.emitters, [](const EmitterCluster& e) { return e.triangles.empty(); });

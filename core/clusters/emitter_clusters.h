@@ -86,6 +86,9 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
 /// Luminance of what the whole patch sends, up to a constant: the order of the list.
 inline float emitterPower(const EmitterCluster& e) { return luminance(e.radiance) * e.area; }
 
+/// Sets area, centroid and normal from its triangles. O(triangles of it).
+void measureTriangles(const Scene& scene, EmitterCluster& cluster);
+
 /// Fills emitterOfVertex / emitterOfTriangle, sorts by power (strongest first) and names the emitters.
 void indexEmitters(const Scene& scene, EmitterClusters& clusters);
 

@@ -4,7 +4,9 @@
 #include <set>
 
 #include "base/error.h"
-#include "clusters/emitter_sphere.h"
+#include "base/log.h"
+#include "clusters/body_obstacles.h"
+#include "clusters/emitter_pixels.h"
 #include "clusters/patches.h"
 #include "scene/smooth_normals.h"
 
@@ -13,11 +15,24 @@ namespace {
 
 constexpr float wellCovered = 0.97f;  // overlap of pixels and mesh that exact meshes always have
 constexpr float clearlyBetter = 0.02f;
+constexpr double groundReach = 0.01;  ///< of the diagonal: so near a body lies the border of what it hides
+constexpr double bodyMargin = 0.001;  ///< of the diagonal: what lies so close about a body is of it
 
 float meanRadius(const std::vector<EmitterOutline>& outlines) {
     double pixels = 0;
     for (const EmitterOutline& o : outlines) pixels += double(o.pixels);
     return float(std::sqrt(pixels / std::max<double>(1, double(outlines.size())) / piD));
+}
+
+/// The same for a straight body: for a disc, length of the outline over its area is two over the radius.
+bool explains(const EmitterBody& body, const std::vector<EmitterOutline>& outlines) {
+    double pixels = 0, sides = 0;
+    for (const EmitterOutline& o : outlines) {
+        pixels += double(o.pixels);
+        sides += double(o.boundaryLength) * piD / 4;
+    }
+    return double(body.overlap) > 0.95 - 0.35 * sides / std::max(1.0, pixels) && body.mostSeen > 0.8f &&
+           body.nextSeen > 0.5f;
 }
 
 /// Whether the ball is what the outlines show. Cameras that are off by half a pixel cost small discs more. One view
@@ -26,66 +41,6 @@ bool explains(const EmitterSphere& ball, const std::vector<EmitterOutline>& outl
     return ball.overlap > 0.95f - 0.7f / std::max(1.0f, meanRadius(outlines)) && ball.mostSeen > 0.9f &&
            ball.nextSeen > 0.25f;
 }
-
-/// Triangles that a ball of light takes the place of: its own, those within it, and those before it where photographs
-/// see it all the same. Those of other emitters stay: what they show is their own light.
-class Obstacles {
-public:
-    Obstacles(const Scene& scene, const EmitterSphere& ball) : scene_(scene), ball_(ball) {
-        in_.assign(scene.mesh.triangles.size(), 0);
-        out_.assign(scene.mesh.triangles.size(), 0);
-    }
-
-    void vote(const View& view, const EmitterOutline& outline) {
-        const Camera& camera = view.camera;
-        const DVec3 eye = camera.position();
-        const double inner = 0.9 * ball_.radius;
-        for (int y = 0; y < camera.height; ++y)
-            for (int x = 0; x < camera.width; ++x) {
-                const Vec3 direction = camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
-                const DVec3 to = ball_.centre - eye;
-                const double along = glm::dot(to, DVec3(direction)), squared = glm::dot(to, to) - along * along;
-                if (!(squared < inner * inner) || !(along > 0)) continue;
-                const bool shows = outline.shows[size_t(y) * size_t(camera.width) + size_t(x)] != 0;
-                float from = 0;
-                // To the ball's middle: what lies in its near half hides it as well.
-                for (int layers = 0; layers < 16; ++layers) {
-                    const Hit hit = scene_.tracer->closest({Vec3(eye), direction, from, float(along)});
-                    if (!hit) break;
-                    ++(shows ? in_ : out_)[hit.triangle];
-                    from = hit.distance + 0.25f * scene_.tracer->surfaceOffset() + 1e-6f * float(along);
-                }
-            }
-    }
-
-    void collect(const std::vector<uint32_t>& own, const std::vector<int>& emitterOfTriangle,
-                 std::set<uint32_t>& removed) const {
-        removed.insert(own.begin(), own.end());
-        std::vector<uint8_t> open(scene_.mesh.vertexCount(), 0), closed = open;
-        for (uint32_t t = 0; t < in_.size(); ++t)
-            for (const uint32_t v : scene_.mesh.triangles[t]) {
-                open[v] |= in_[t] > out_[t];
-                closed[v] |= out_[t] > in_[t];
-            }
-        for (uint32_t t = 0; t < in_.size(); ++t) {
-            const Triangle& corners = scene_.mesh.triangles[t];
-            const bool within = std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
-                return glm::length(DVec3(scene_.mesh.positions[v]) - ball_.centre) < 1.05 * ball_.radius;
-            });
-            // Triangles between pixels go with what is around them.
-            const bool between = in_[t] + out_[t] == 0 && std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
-                                     return open[v] && !closed[v];
-                                 });
-            const bool seenThrough = between || in_[t] > out_[t];
-            if (within || (seenThrough && emitterOfTriangle[t] < 0)) removed.insert(t);
-        }
-    }
-
-private:
-    const Scene& scene_;
-    const EmitterSphere& ball_;
-    std::vector<uint32_t> in_, out_;  ///< pixels through the triangle that show the ball, and that do not
-};
 
 /// How far the surface must move out so that its outlines have the pixels' area, metres.
 float missingWidth(const Capture& capture, const RadianceSamples& samples, const EmitterCluster& cluster,
@@ -120,6 +75,84 @@ EmitterCluster clusterOf(const Scene& scene, const RejectedPatch& patch) {
 
 std::string percent(float fraction) { return fmt::format("{:.0f} %", 100 * fraction); }
 
+std::string placeOf(const Capture& capture, const Vec3& p) {
+    return fmt::format("{:.2f} {:.2f} {:.2f}", p.x + capture.origin.x, p.y + capture.origin.y, p.z + capture.origin.z);
+}
+
+/// Groups of two emitters and more of one radiance that most views which show both show in one piece.
+std::vector<std::vector<size_t>> onePieces(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                           const EmitterClusters& clusters) {
+    const size_t count = clusters.emitters.size();
+    std::vector<size_t> root(count);
+    for (size_t k = 0; k < count; ++k) root[k] = k;
+    const auto usable = [](const EmitterCluster& e) { return !e.unobserved && !e.fitted && !e.triangles.empty(); };
+    for (size_t a = 0; a < count; ++a)
+        for (size_t b = a + 1; b < count; ++b) {
+            const EmitterCluster &first = clusters.emitters[a], &second = clusters.emitters[b];
+            if (root[a] == root[b] || !usable(first) || !usable(second)) continue;
+            if (glm::length(first.radiance - second.radiance) > pixelTolerance(first) * glm::length(first.radiance))
+                continue;
+            if (shownInOnePiece(scene, capture, samples, first, second)) {
+                const size_t from = root[b], to = root[a];
+                for (size_t& r : root)
+                    if (r == from) r = to;
+            }
+        }
+    std::vector<std::vector<size_t>> groups(count), large;
+    for (size_t k = 0; k < count; ++k) groups[root[k]].push_back(k);
+    for (std::vector<size_t>& g : groups)
+        if (g.size() > 1) large.push_back(std::move(g));
+    return large;
+}
+
+EmitterCluster joined(const EmitterClusters& clusters, const std::vector<size_t>& group) {
+    EmitterCluster whole = clusters.emitters[group[0]];
+    for (size_t i = 1; i < group.size(); ++i) {
+        const EmitterCluster& e = clusters.emitters[group[i]];
+        whole.centroid = (whole.area * whole.centroid + e.area * e.centroid) / (whole.area + e.area);
+        whole.area += e.area;
+        whole.vertices.insert(whole.vertices.end(), e.vertices.begin(), e.vertices.end());
+        whole.triangles.insert(whole.triangles.end(), e.triangles.begin(), e.triangles.end());
+    }
+    std::sort(whole.vertices.begin(), whole.vertices.end());
+    std::sort(whole.triangles.begin(), whole.triangles.end());
+    return whole;
+}
+
+/// The tube or box that takes the emitter's place, if one explains the outlines clearly better than the mesh.
+std::optional<EmitterReplacement> replacementOf(const Scene& scene, const Capture& capture,
+                                                const RadianceSamples& samples, const EmitterClusters& clusters,
+                                                const EmitterCluster& e, const std::vector<EmitterOutline>& outlines) {
+    const float mesh = meshOverlap(samples, e, outlines);
+    const std::optional<EmitterBody> body = fitBody(scene, capture, samples, e, outlines);
+    if (!body) return {};
+    const DVec3 size = 2000.0 * body->half;
+    const std::string what = body->round ? fmt::format("a tube of {:.0f} x {:.1f} mm", size.x, size.y)
+                                         : fmt::format("a box of {:.0f} x {:.0f} x {:.1f} mm", size.x, size.y, size.z);
+    logInfo("{} covers {} of the pixels of a light at {}, the mesh {}; seen {} and {}", what, percent(body->overlap),
+            placeOf(capture, e.centroid), percent(mesh), percent(body->mostSeen), percent(body->nextSeen));
+    if (!explains(*body, outlines) || !(body->overlap > mesh + clearlyBetter)) return {};
+    EmitterReplacement r;
+    r.body = *body;
+    std::set<uint32_t> removed;
+    r.setBack = ridgeSetBack(scene, e);
+    if (r.setBack.empty()) {
+        collectObstacles(scene, capture, outlines, LightBody(*body, bodyMargin * double(scene.diagonal)), e.triangles,
+                         clusters.emitterOfTriangle, removed);
+        const std::vector<uint32_t> scraps = scrapsBehind(scene, samples, *body, removed);
+        removed.insert(scraps.begin(), scraps.end());
+        groundUnder(scene, *body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);
+    }
+    r.removed.assign(removed.begin(), removed.end());
+    r.was.centroid = Vec3(body->centre);
+    r.was.radius = float(glm::length(body->half));
+    r.was.overlap = mesh;
+    r.was.words =
+        fmt::format("the mesh covers {} of what photographs show of a light at {}, {} covers {}: it takes its place",
+                    percent(mesh), placeOf(capture, e.centroid), what, percent(body->overlap));
+    return r;
+}
+
 }  // namespace
 
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
@@ -129,17 +162,25 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     std::vector<Vec3> normals;
     const auto replace = [&](const EmitterCluster& e, const EmitterSphere& ball,
                              const std::vector<EmitterOutline>& outlines) {
-        Obstacles obstacles(scene, ball);
-        for (const EmitterOutline& o : outlines) obstacles.vote(capture.views[o.view], o);
-        obstacles.collect(e.triangles, clusters.emitterOfTriangle, removed);
+        collectObstacles(scene, capture, outlines, LightBody(ball), e.triangles, clusters.emitterOfTriangle, removed);
         ProxyLight proxy;
         proxy.centre = ball.centre;
         proxy.radius = float(ball.radius);
         proxy.radiance = e.radiance;
         mend.balls.push_back(proxy);
     };
-    for (const EmitterCluster& e : clusters.emitters) {
-        if (e.unobserved || e.triangles.empty()) continue;
+    std::vector<uint8_t> replaced(clusters.emitters.size(), 0);
+    for (const std::vector<size_t>& group : onePieces(scene, capture, samples, clusters)) {
+        const EmitterCluster whole = joined(clusters, group);
+        std::optional<EmitterReplacement> body = replacementOf(
+            scene, capture, samples, clusters, whole, emitterOutlines(scene, capture, samples, clusters, whole));
+        if (!body) continue;
+        mend.bodies.push_back(std::move(*body));
+        for (const size_t k : group) replaced[k] = 1;
+    }
+    for (size_t k = 0; k < clusters.emitters.size(); ++k) {
+        const EmitterCluster& e = clusters.emitters[k];
+        if (e.unobserved || e.triangles.empty() || replaced[k]) continue;
         const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         if (outlines.size() < 2) continue;
         const float mesh = meshOverlap(samples, e, outlines);
@@ -148,10 +189,13 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         if (ball && explains(*ball, outlines) && ball->overlap > mesh + clearlyBetter) {
             replace(e, *ball, outlines);
             mend.words.push_back(fmt::format(
-                "the mesh covers {} of what photographs show of a light at {:.2f} {:.2f} {:.2f}, a ball of {:.1f} cm "
-                "covers {}: the ball takes its place",
-                percent(mesh), e.centroid.x + capture.origin.x, e.centroid.y + capture.origin.y,
-                e.centroid.z + capture.origin.z, 100 * ball->radius, percent(ball->overlap)));
+                "the mesh covers {} of what photographs show of a light at {}, a ball of {:.1f} cm covers {}: the ball "
+                "takes its place",
+                percent(mesh), placeOf(capture, e.centroid), 100 * ball->radius, percent(ball->overlap)));
+            continue;
+        }
+        if (std::optional<EmitterReplacement> body = replacementOf(scene, capture, samples, clusters, e, outlines)) {
+            mend.bodies.push_back(std::move(*body));
             continue;
         }
         const float most = 0.02f * scene.diagonal,
@@ -166,10 +210,8 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
             move.radius = std::max(move.radius, glm::distance(scene.mesh.positions[v], e.centroid));
         }
         move.words = fmt::format(
-            "the mesh covers {} of what photographs show of a light at {:.2f} {:.2f} {:.2f}: its surface moves out by "
-            "{:.1f} mm",
-            percent(mesh), e.centroid.x + capture.origin.x, e.centroid.y + capture.origin.y,
-            e.centroid.z + capture.origin.z, 1000 * width);
+            "the mesh covers {} of what photographs show of a light at {}: its surface moves out by {:.1f} mm",
+            percent(mesh), placeOf(capture, e.centroid), 1000 * width);
         mend.moves.push_back(std::move(move));
     }
     for (const RejectedPatch& patch : clusters.rejected) {
@@ -182,11 +224,9 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         const std::optional<EmitterSphere> ball = fitSphere(scene, capture, samples, outlines);
         if (!ball || !explains(*ball, outlines)) continue;
         replace(e, *ball, outlines);
-        mend.words.push_back(
-            fmt::format("{} photographs show a ball of light of {:.1f} cm at {:.2f} {:.2f} {:.2f} that "
-                        "the mesh does not have: it is added",
-                        outlines.size(), 100 * ball->radius, ball->centre.x + capture.origin.x,
-                        ball->centre.y + capture.origin.y, ball->centre.z + capture.origin.z));
+        mend.words.push_back(fmt::format(
+            "{} photographs show a ball of light of {:.1f} cm at {} that the mesh does not have: it is added",
+            outlines.size(), 100 * ball->radius, placeOf(capture, Vec3(ball->centre))));
     }
     mend.removed.assign(removed.begin(), removed.end());
     return mend;

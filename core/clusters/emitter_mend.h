@@ -4,6 +4,7 @@
 
 #include "capture/mesh_mend.h"
 #include "capture/proxy_light.h"
+#include "clusters/emitter_body.h"
 #include "clusters/emitter_clusters.h"
 
 namespace relamp {
@@ -12,18 +13,29 @@ namespace relamp {
 struct EmitterMove {
     std::vector<MeshMend::MovedVertex> vertices;
     std::vector<uint32_t> shining = {};  ///< of them, those that shine though few pixels show it
-    Vec3 centroid{0};   ///< before
-    float radius = 0;   ///< of the sphere about it that holds the emitter
-    float overlap = 0;  ///< of its pixels and the mesh, before
+    Vec3 centroid{0};                    ///< before
+    float radius = 0;                    ///< of the sphere about it that holds the emitter
+    float overlap = 0;                   ///< of its pixels and the mesh, before
     std::string words;
+};
+
+/// A straight body that takes the place of what the mesh has of an emitter.
+struct EmitterReplacement {
+    EmitterBody body;
+    std::vector<uint32_t> removed;               ///< triangles, ascending
+    std::vector<MeshMend::MovedVertex> setBack;  ///< a ridge's vertices, on the surface behind it
+    std::vector<Vec3> ground;                    ///< metres: what the emitter hid of the surface that it stands on
+    std::vector<Triangle> groundTriangles;       ///< of `ground`
+    EmitterMove was;                             ///< without vertices: what it is judged by
 };
 
 struct EmitterMend {
     std::vector<uint32_t> removed;   ///< triangles, ascending
     std::vector<ProxyLight> balls;   ///< of known radiance; counted from the capture's origin
     std::vector<std::string> words;  ///< a sentence for each ball
+    std::vector<EmitterReplacement> bodies;
     std::vector<EmitterMove> moves;
-    bool needed() const { return !words.empty() || !moves.empty(); }
+    bool needed() const { return !words.empty() || !moves.empty() || !bodies.empty(); }
 };
 
 /// Reconstruction shrinks and rounds what is small, and closes what is narrow. The emitter's area is then too small,
@@ -31,6 +43,8 @@ struct EmitterMend {
 /// disagree by more than 3 %:
 /// - a ball that explains the pixels clearly better takes the place of the triangles, and of those before it through
 ///   which photographs see it;
+/// - otherwise a straight tube or box that does so; parts of one radiance that photographs show in one piece are one
+///   emitter then. A ridge of the surface behind goes back to it;
 /// - otherwise the surface moves along its normals, by as much as pixels and mesh differ in area.
 /// Exact meshes stay as they are. O(pixels x emitters).
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,

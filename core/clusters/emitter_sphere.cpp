@@ -5,6 +5,7 @@
 #include "base/random.h"
 #include "base/statistics.h"
 #include "clusters/emitter_pixels.h"
+#include "clusters/outline_pixels.h"
 
 namespace relamp {
 namespace {
@@ -170,37 +171,14 @@ double hitOf(const DVec3& eye, const DVec3& direction, const EmitterSphere& ball
 
 void judge(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
            const std::vector<EmitterOutline>& outlines, EmitterSphere& ball) {
-    size_t both = 0, either = 0;
-    std::vector<float> seen;
-    for (const EmitterOutline& outline : outlines) {
-        const Camera& camera = capture.views[outline.view].camera;
-        const ViewGeometry& g = samples.geometry[outline.view];
-        const DVec3 eye = camera.position();
-        const float slack = std::max(float(ball.radius), 0.01f * scene.diagonal);
-        size_t disc = 0, shown = 0;
-        size_t inDisc = 0;
-        for (int y = 0; y < g.height; ++y)
-            for (int x = 0; x < g.width; ++x) {
-                const size_t p = size_t(y) * size_t(g.width) + size_t(x);
-                const bool near = std::abs(float(x) - outline.centre.x) + std::abs(float(y) - outline.centre.y) <
-                                  8 * std::sqrt(float(outline.pixels));
-                const double hit =
-                    near ? hitOf(eye, DVec3(camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f))), ball) : -1;
-                if (!(hit > 0) && !outline.shows[p]) continue;
-                disc += hit > 0;
-                inDisc += hit > 0 && outline.shows[p];
-                const bool occluded = !outline.shows[p] && g.triangle[p] != Hit::none && g.depth[p] + slack < hit;
-                if (occluded) continue;
-                either += 1;
-                both += hit > 0 && outline.shows[p];
-            }
-        shown = inDisc;
-        seen.push_back(disc ? float(shown) / float(disc) : 0);
-    }
-    std::sort(seen.rbegin(), seen.rend());
-    ball.overlap = either ? float(both) / float(either) : 0;
-    ball.mostSeen = seen.empty() ? 0 : seen[0];
-    ball.nextSeen = seen.size() > 1 ? seen[1] : 0;
+    std::vector<float> reach;
+    for (const EmitterOutline& o : outlines) reach.push_back(8 * std::sqrt(float(o.pixels)));
+    const OutlineOverlap found = outlineOverlap(
+        pixelsAbout(capture, samples, outlines, {}, reach), std::max(ball.radius, 0.01 * double(scene.diagonal)),
+        [&](const DVec3& eye, const DVec3& direction) { return hitOf(eye, direction, ball); });
+    ball.overlap = found.overlap();
+    ball.mostSeen = found.mostSeen;
+    ball.nextSeen = found.nextSeen;
 }
 
 }  // namespace
@@ -262,6 +240,31 @@ std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& captur
     EmitterSphere ball{DVec3(found), found.w};
     judge(scene, capture, samples, outlines, ball);
     return ball;
+}
+
+bool shownInOnePiece(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                     const EmitterCluster& first, const EmitterCluster& second) {
+    size_t together = 0, apart = 0;
+    for (size_t i = 0; i < capture.views.size(); ++i) {
+        const Camera& camera = capture.views[i].camera;
+        const PixelBox box = projectionOf(scene, first, camera);
+        if (box.empty() || box.left > box.right || box.top > box.bottom) continue;
+        const std::vector<uint8_t> all = emittingPixels(capture.views[i], first.radiance, pixelTolerance(first));
+        std::vector<uint8_t> piece = all;
+        keepConnected(box, camera.width, camera.height, piece);
+        size_t ofFirst = 0, ofSecond = 0, inPiece = 0;
+        for (size_t p = 0; p < all.size(); ++p) {
+            const uint32_t t = samples.geometry[i].triangle[p];
+            if (t == Hit::none || !all[p]) continue;
+            ofFirst += std::binary_search(first.triangles.begin(), first.triangles.end(), t);
+            const bool other = std::binary_search(second.triangles.begin(), second.triangles.end(), t);
+            ofSecond += other;
+            inPiece += other && piece[p];
+        }
+        if (ofFirst < leastPixels || ofSecond < leastPixels) continue;
+        ++(2 * inPiece > ofSecond ? together : apart);
+    }
+    return together >= 3 && together > 4 * apart;
 }
 
 float meshOverlap(const RadianceSamples& samples, const EmitterCluster& cluster,

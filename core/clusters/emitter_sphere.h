@@ -26,6 +26,11 @@ struct EmitterOutline {
 std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                             const EmitterClusters& clusters, const EmitterCluster& cluster);
 
+/// Whether photographs show both, of one radiance, in one piece: in three views, and in all but a fifth of those that
+/// show both. Lights that merely hide each other from some sides are apart in others. O(pixels).
+bool shownInOnePiece(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                     const EmitterCluster& first, const EmitterCluster& second);
+
 struct EmitterSphere {
     DVec3 centre{0};    ///< metres
     double radius = 0;  ///< metres

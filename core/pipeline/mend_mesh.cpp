@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/statistics.h"
 #include "clusters/emitter_mend.h"
+#include "clusters/shining_sides.h"
 #include "pipeline/emitter_backs.h"
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
@@ -64,10 +65,12 @@ public:
                 found.moves.push_back(std::move(m));
             }
         if (!found.needed()) return;
+        for (EmitterReplacement& r : found.bodies) r.removed = inFile(r.removed);
         add(found.removed, mend_.removed);
-        const auto move = [&] {
-            mend_.moved.clear();
-            mend_.shining.clear();
+        const MeshMend without = mend_;
+        const auto shape = [&] {
+            mend_ = without;
+            for (const EmitterReplacement& r : found.bodies) addBody(r);
             for (const EmitterMove& m : found.moves) {
                 mend_.moved.insert(mend_.moved.end(), m.vertices.begin(), m.vertices.end());
                 mend_.shining.insert(mend_.shining.end(), m.shining.begin(), m.shining.end());
@@ -75,18 +78,21 @@ public:
             std::sort(mend_.shining.begin(), mend_.shining.end());
             apply(found.balls);
         };
-        move();
-        const size_t tried = found.moves.size();
-        std::erase_if(found.moves, [&](const EmitterMove& m) {
+        shape();
+        const auto worse = [&](const EmitterMove& m) {
             return overlapAfter(m, *prepared_.scene, capture_, *prepared_.samples, prepared_.clusters) < m.overlap;
-        });
-        if (found.moves.size() < tried) {
+        };
+        const size_t tried = found.moves.size() + found.bodies.size();
+        std::erase_if(found.moves, worse);
+        std::erase_if(found.bodies, [&](const EmitterReplacement& r) { return worse(r.was); });
+        if (const size_t kept = found.moves.size() + found.bodies.size(); kept < tried) {
             logInfo("moving the surfaces of {} of {} lights does not bring them nearer to the photographs: taken back",
-                    tried - found.moves.size(), tried);
-            move();
+                    tried - kept, tried);
+            shape();
         }
         openShades(found);
         for (const std::string& words : found.words) say(words);
+        for (const EmitterReplacement& r : found.bodies) say(r.was.words);
         for (const EmitterMove& m : found.moves) say(m.words);
     }
 
@@ -169,12 +175,32 @@ public:
     MeshMend result() && { return std::move(mend_); }
 
 private:
-    /// Triangles of the mesh as it is, by their numbers in the file.
-    void add(const std::vector<uint32_t>& present, std::vector<uint32_t>& list) const {
+    /// Triangles of the mesh as it is, by their numbers in the file; without those of a ball.
+    std::vector<uint32_t> inFile(const std::vector<uint32_t>& present) const {
         const std::vector<uint32_t> numbers = trianglesLeft(mend_, file_.triangles.size());
+        std::vector<uint32_t> found;
         for (const uint32_t t : present)
-            if (t < numbers.size()) list.push_back(numbers[t]);  // not those of a ball
+            if (t < numbers.size()) found.push_back(numbers[t]);
+        return found;
+    }
+    void add(const std::vector<uint32_t>& present, std::vector<uint32_t>& list) const {
+        const std::vector<uint32_t> found = inFile(present);
+        list.insert(list.end(), found.begin(), found.end());
         std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+    /// A straight body of light, all of whose sides shine.
+    void addBody(const EmitterReplacement& r) {
+        SurfacePatch surface;
+        r.body.surface(surface.positions, surface.triangles);
+        const auto first = uint32_t(file_.vertexCount() + mend_.addedPositions.size());
+        for (uint32_t v = 0; v < surface.positions.size(); ++v) mend_.shining.push_back(first + v);
+        addPatch(surface);
+        addPatch({r.ground, r.groundTriangles, {}, 0});
+        mend_.moved.insert(mend_.moved.end(), r.setBack.begin(), r.setBack.end());
+        mend_.removed.insert(mend_.removed.end(), r.removed.begin(), r.removed.end());
+        std::sort(mend_.removed.begin(), mend_.removed.end());
+        mend_.removed.erase(std::unique(mend_.removed.begin(), mend_.removed.end()), mend_.removed.end());
     }
     void addPatch(const SurfacePatch& patch) {
         const auto first = uint32_t(mend_.addedPositions.size());
@@ -188,6 +214,7 @@ private:
         addProxies(balls, capture_.mesh);
         capture_.proxies.insert(capture_.proxies.end(), balls.begin(), balls.end());
         prepared_ = prepare(capture_, options_, meter_, progress_);
+        letSidesShine(*prepared_.scene, mend_.shining, prepared_.clusters);
     }
     /// Radiance that counts as dark: a fiftieth of the median.
     float darkness() const {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/statistics.h"
+#include "clusters/body_obstacles.h"
 #include "clusters/emitter_pixels.h"
 #include "clusters/emitter_sphere.h"
 #include "radiance/gather.h"
@@ -152,12 +153,21 @@ TEST(EmitterMend, ALightBeforeABallIsNoObstacle) {
     EXPECT_GE(mend.removed.front(), world.floorTriangles + whole);
 }
 
-TEST(EmitterMend, AShrunkenBoxMovesOutByWhatIsMissing) {
-    const Vec3 size(0.2f, 0.15f, 0.03f);
-    const World world(boxOf({0, 0, 0.4f}, size), boxOf({0, 0, 0.4f}, size - 0.012f));
+/// What no ball, tube or box is like.
+Mesh eggOf(const Vec3& centre, const Vec3& size) {
+    Mesh egg = test::ball(Vec3(0), 1, 24, 48);
+    for (Vec3& p : egg.positions) p = centre + p * size;
+    egg.normals.clear();
+    return egg;
+}
+
+TEST(EmitterMend, AShrunkenEggMovesOutByWhatIsMissing) {
+    const Vec3 size(0.24f, 0.12f, 0.06f);
+    const World world(eggOf({0, 0, 0.4f}, size), eggOf({0, 0, 0.4f}, size - 0.012f));
     ASSERT_EQ(world.clusters.emitters.size(), 1u);
     const EmitterMend mend = world.mend();
     EXPECT_TRUE(mend.balls.empty());
+    EXPECT_TRUE(mend.bodies.empty());
     ASSERT_EQ(mend.moves.size(), 1u);
     MeshMend moves;
     moves.moved = mend.moves[0].vertices;
@@ -170,9 +180,9 @@ TEST(EmitterMend, AShrunkenBoxMovesOutByWhatIsMissing) {
 }
 
 TEST(EmitterMend, AMoveIsJudgedByTheEmitterThatItIsFor) {
-    const Vec3 size(0.2f, 0.15f, 0.03f);
-    const Mesh truth = boxOf({0, 0, 0.4f}, size);
-    const World before(truth, boxOf({0, 0, 0.4f}, size - 0.012f));
+    const Vec3 size(0.24f, 0.12f, 0.06f);
+    const Mesh truth = eggOf({0, 0, 0.4f}, size);
+    const World before(truth, eggOf({0, 0, 0.4f}, size - 0.012f));
     const EmitterMend mend = before.mend();
     ASSERT_EQ(mend.moves.size(), 1u);
     const auto overlapIn = [&](const World& after) {
@@ -181,6 +191,168 @@ TEST(EmitterMend, AMoveIsJudgedByTheEmitterThatItIsFor) {
     EXPECT_GT(overlapIn(World(truth, truth)), 0.97f);
     EXPECT_NEAR(overlapIn(before), mend.moves[0].overlap, 1e-6f);
     EXPECT_EQ(overlapIn(World(truth, {})), 0);  // it was lost
+}
+
+EmitterBody tubeOf(const DVec3& centre, const DVec3& along, double length, double radius) {
+    EmitterBody tube;
+    tube.round = true;
+    tube.centre = centre;
+    tube.axes = glm::dmat3(frameAround(Vec3(glm::normalize(along))));
+    std::swap(tube.axes[0], tube.axes[2]);
+    tube.axes[1] = -tube.axes[1];
+    tube.half = {0.5 * length, radius, radius};
+    return tube;
+}
+
+Mesh surfaceOf(const EmitterBody& body) {
+    Mesh mesh;
+    body.surface(mesh.positions, mesh.triangles);
+    return mesh;
+}
+
+TEST(EmitterBody, ItsSurfaceHasItsAreaAndFacesOutwards) {
+    EmitterBody box;
+    box.centre = {1, -2, 3};
+    box.axes = tubeOf({0, 0, 0}, {1, 2, 3}, 1, 1).axes;
+    box.half = {0.3, 0.1, 0.02};
+    const EmitterBody tube = tubeOf({1, -2, 3}, {3, 1, -2}, 0.6, 0.05);
+    const auto check = [](const EmitterBody& body, double area) {
+        const Mesh mesh = surfaceOf(body);
+        double sum = 0;
+        for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const Triangle& c = mesh.triangles[t];
+            const Vec3 middle = (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0f;
+            EXPECT_GT(glm::dot(mesh.faceNormal(t), middle - Vec3(body.centre)), 0);
+            EXPECT_NEAR(body.distance(DVec3(middle)), 0, 0.001);
+            sum += double(mesh.triangleArea(t));
+        }
+        EXPECT_NEAR(sum, area, 0.005 * area);
+    };
+    check(box, 8 * (0.3 * 0.1 + 0.1 * 0.02 + 0.02 * 0.3));
+    check(tube, 2 * piD * 0.05 * (0.6 + 0.05));
+}
+
+TEST(EmitterBody, RaysEnterAndLeaveWhereItsSidesAre) {
+    EmitterBody box;
+    box.half = {0.3, 0.1, 0.02};
+    const glm::dvec2 chord = box.chord({0.1, 0.05, 5}, {0, 0, -1});
+    EXPECT_DOUBLE_EQ(chord.x, 4.98);
+    EXPECT_DOUBLE_EQ(chord.y, 5.02);
+    EXPECT_GT(box.chord({0.1, 0.11, 5}, {0, 0, -1}).x, box.chord({0.1, 0.11, 5}, {0, 0, -1}).y);
+    const EmitterBody tube = tubeOf({0, 0, 0}, {1, 0, 0}, 0.6, 0.05);
+    EXPECT_NEAR(tube.chord({0, 0.03, 5}, {0, 0, -1}).x, 5 - 0.04, 1e-12);
+    EXPECT_NEAR(tube.chord({-5, 0.03, 0}, {1, 0, 0}).x, 4.7, 1e-12);
+    EXPECT_NEAR(tube.distance({0.3 + 0.03, 0, 0.05 + 0.04}), 0.05, 1e-12);
+}
+
+TEST(EmitterMend, ATubeTakesThePlaceOfAThinOne) {
+    const EmitterBody truth = tubeOf({0.05, -0.1, 0.35}, {1, 0.4, 0.1}, 0.5, 0.03);
+    EmitterBody thin = truth;
+    thin.half = {0.23, 0.018, 0.018};
+    const World world(surfaceOf(truth), surfaceOf(thin));
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.bodies.size(), 1u);
+    const EmitterBody& found = mend.bodies[0].body;
+    EXPECT_TRUE(found.round);
+    EXPECT_NEAR(glm::length(found.centre - truth.centre), 0, 0.004);
+    EXPECT_GT(std::abs(glm::dot(found.axes[0], truth.axes[0])), 0.9995);
+    EXPECT_NEAR(found.half.x, truth.half.x, 0.005);
+    EXPECT_NEAR(found.half.y, truth.half.y, 0.0015);
+    EXPECT_EQ(mend.bodies[0].removed.size(), surfaceOf(thin).triangles.size());
+    EXPECT_GE(mend.bodies[0].removed.front(), world.floorTriangles);
+    EXPECT_TRUE(mend.bodies[0].setBack.empty());
+}
+
+TEST(EmitterMend, APanelInTwoShredsIsOneBox) {
+    const Vec3 centre(0, 0, 0.4f), size(0.2f, 0.15f, 0.015f);
+    Mesh shreds = test::sheet(centre + Vec3(-0.19f, -0.14f, 0.01f), {0.16f, 0, 0}, {0, 0.28f, 0}, 8, 12);
+    test::append(shreds, test::sheet(centre + Vec3(0.03f, -0.14f, 0.01f), {0.16f, 0, 0}, {0, 0.28f, 0}, 8, 12));
+    const World world(boxOf(centre, size), shreds);
+    ASSERT_EQ(world.clusters.emitters.size(), 2u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.bodies.size(), 1u);
+    EXPECT_TRUE(mend.moves.empty());
+    const EmitterBody& found = mend.bodies[0].body;
+    EXPECT_FALSE(found.round);
+    EXPECT_NEAR(glm::length(found.centre - DVec3(centre)), 0, 0.004);
+    EXPECT_NEAR(8 * found.half.x * found.half.y * found.half.z, 8 * double(size.x * size.y * size.z),
+                0.1 * 8 * double(size.x * size.y * size.z));
+    EXPECT_EQ(mend.bodies[0].removed.size(), shreds.triangles.size());
+}
+
+TEST(EmitterMend, ARidgeGoesBackToTheSurfaceBehindTheTube) {
+    const EmitterBody truth = tubeOf({0, 0.1, 0.05}, {1, 0, 0}, 0.6, 0.03);
+    // The floor rises to a ridge, too narrow, that shines.
+    const World plain({}, {});
+    Mesh ridge = World::floor({});
+    for (Vec3& p : ridge.positions)
+        if (std::abs(p.x) < 0.31f && std::abs(p.y - 0.1f) < 0.03f) p.z = 0.07f;
+    World world(surfaceOf(truth), {});
+    world.capture.mesh = ridge;
+    world.scene = test::sceneOf(std::move(ridge));
+    Progress progress;
+    world.samples = gatherRadiance(world.capture, world.scene, {}, progress);
+    world.clusters = clusterEmitters(world.scene, world.capture, world.samples, {}, progress);
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.bodies.size(), 1u);
+    EXPECT_NEAR(mend.bodies[0].body.half.y, truth.half.y, 0.003);
+    ASSERT_FALSE(mend.bodies[0].setBack.empty());
+    EXPECT_TRUE(mend.bodies[0].removed.empty());
+    for (const MeshMend::MovedVertex& m : mend.bodies[0].setBack) EXPECT_NEAR(m.position.z, 0, 0.001);
+}
+
+TEST(BodyObstacles, ABagThatNoPhotographShowsGoesAndTheGroundStays) {
+    const Vec3 size(0.2f, 0.15f, 0.015f);
+    // Below the panel hangs a bag, open above; no camera looks up to it.
+    Mesh bag = test::box({-0.18f, -0.13f, 0.3f}, {0.18f, 0.13f, 0.38f}, 6);
+    std::erase_if(bag.triangles, [&](const Triangle& t) {
+        return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return bag.positions[v].z > 0.379f; });
+    });
+    Mesh mesh = test::sheet({-0.18f, -0.13f, 0.38f}, {0.36f, 0, 0}, {0, 0.26f, 0}, 6, 6);
+    const size_t panel = mesh.triangles.size();
+    test::append(mesh, bag);
+    const Scene scene = test::sceneOf(std::move(mesh));
+    RadianceSamples samples;
+    samples.geometry.resize(1);
+    for (uint32_t t = 0; t < panel; ++t) samples.geometry[0].triangle.push_back(t);
+    EmitterBody box;
+    box.centre = {0, 0, 0.38};
+    box.half = DVec3(size);
+    std::set<uint32_t> removed;
+    for (uint32_t t = 0; t < panel; ++t) removed.insert(t);
+    EXPECT_EQ(scrapsBehind(scene, samples, box, removed).size(), bag.triangles.size());
+    // Were it seen, it would stay.
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) samples.geometry[0].triangle.push_back(t);
+    EXPECT_TRUE(scrapsBehind(scene, samples, box, removed).empty());
+}
+
+TEST(BodyObstacles, TheGroundUnderAStandingLightIsClosed) {
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
+    std::set<uint32_t> removed;
+    double hole = 0;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle& c = mesh.triangles[t];
+        const Vec3 middle = (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0f;
+        if (std::abs(middle.x) > 0.1f || std::abs(middle.y) > 0.1f) continue;
+        removed.insert(t);
+        hole += double(mesh.triangleArea(t));
+    }
+    const Scene scene = test::sceneOf(std::move(mesh));
+    const EmitterBody standing = tubeOf({0, 0, 0.2}, {0, 0, 1}, 0.4, 0.08);
+    Mesh ground;
+    groundUnder(scene, standing, 0.08, removed, ground.positions, ground.triangles);
+    double area = 0;
+    for (size_t t = 0; t < ground.triangles.size(); ++t) {
+        EXPECT_GT(ground.faceNormal(t).z, 0.99f);
+        area += double(ground.triangleArea(t));
+    }
+    EXPECT_NEAR(area, hole, 1e-6);
+    // A border far from the body is none of its business.
+    Mesh none;
+    groundUnder(scene, standing, 0.01, removed, none.positions, none.triangles);
+    EXPECT_TRUE(none.triangles.empty());
 }
 
 TEST(ThinEmitters, AStripOfTwoPixelsIsAnEmitterWithItsRadiance) {

@@ -1,0 +1,231 @@
+#include "clusters/body_obstacles.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/statistics.h"
+
+namespace relamp {
+namespace {
+
+constexpr double innerPart = 0.9, outerPart = 1.05;
+constexpr int ridgeRingsFrom = 2, ridgeRingsTo = 5;  ///< of neighbours that tell where the surface about it lies
+constexpr float alongRidge = 0.8f;                   ///< cosine of that surface's normals with their mean
+constexpr float mostlyRidge = 0.8f;                  ///< of the area, and of the vertices about it
+
+/// Pixels through triangles that show the body, and that do not.
+class ThroughVotes {
+public:
+    ThroughVotes(const Scene& scene, const LightBody& body) : scene_(scene), body_(body) {
+        in_.assign(scene.mesh.triangles.size(), 0);
+        out_.assign(scene.mesh.triangles.size(), 0);
+    }
+
+    void vote(const View& view, const EmitterOutline& outline) {
+        const Camera& camera = view.camera;
+        const DVec3 eye = camera.position();
+        for (int y = 0; y < camera.height; ++y)
+            for (int x = 0; x < camera.width; ++x) {
+                const Vec3 direction = camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+                // To the body's middle: what lies in its near half hides it as well.
+                const double along = body_.middle(eye, DVec3(direction));
+                if (!(along > 0)) continue;
+                const bool shows = outline.shows[size_t(y) * size_t(camera.width) + size_t(x)] != 0;
+                float from = 0;
+                for (int layers = 0; layers < 16; ++layers) {
+                    const Hit hit = scene_.tracer->closest({Vec3(eye), direction, from, float(along)});
+                    if (!hit) break;
+                    ++(shows ? in_ : out_)[hit.triangle];
+                    from = hit.distance + 0.25f * scene_.tracer->surfaceOffset() + 1e-6f * float(along);
+                }
+            }
+    }
+
+    void collect(const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& removed) const {
+        std::vector<uint8_t> open(scene_.mesh.vertexCount(), 0), closed = open;
+        for (uint32_t t = 0; t < in_.size(); ++t)
+            for (const uint32_t v : scene_.mesh.triangles[t]) {
+                open[v] |= in_[t] > out_[t];
+                closed[v] |= out_[t] > in_[t];
+            }
+        for (uint32_t t = 0; t < in_.size(); ++t) {
+            const Triangle& corners = scene_.mesh.triangles[t];
+            const bool within = std::all_of(corners.begin(), corners.end(),
+                                            [&](uint32_t v) { return body_.holds(DVec3(scene_.mesh.positions[v])); });
+            // Triangles between pixels go with what is around them.
+            const bool between = in_[t] + out_[t] == 0 && std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
+                                     return open[v] && !closed[v];
+                                 });
+            const bool seenThrough = between || in_[t] > out_[t];
+            if (within || (seenThrough && emitterOfTriangle[t] < 0)) removed.insert(t);
+        }
+    }
+
+private:
+    const Scene& scene_;
+    const LightBody& body_;
+    std::vector<uint32_t> in_, out_;
+};
+
+/// Rings of neighbours about vertices, -1 beyond the last; `reached` gains them.
+std::vector<int> ringsAbout(const Scene& scene, int last, std::vector<uint32_t>& reached) {
+    std::vector<int> rings(scene.mesh.vertexCount(), -1);
+    for (const uint32_t v : reached) rings[v] = 0;
+    for (size_t i = 0; i < reached.size(); ++i) {
+        const uint32_t v = reached[i];
+        if (rings[v] == last) continue;
+        for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k)
+            if (rings[scene.graph.to[k]] < 0) {
+                rings[scene.graph.to[k]] = rings[v] + 1;
+                reached.push_back(scene.graph.to[k]);
+            }
+    }
+    return rings;
+}
+
+}  // namespace
+
+double LightBody::middle(const DVec3& eye, const DVec3& direction) const {
+    if (body_) {
+        const glm::dvec2 chord = body_->chord(eye, direction, innerPart);
+        return chord.x <= chord.y ? 0.5 * (chord.x + chord.y) : -1;
+    }
+    const DVec3 to = ball_->centre - eye;
+    const double along = glm::dot(to, direction), squared = glm::dot(to, to) - along * along,
+                 inner = innerPart * ball_->radius;
+    return squared < inner * inner ? along : -1;
+}
+
+bool LightBody::holds(const DVec3& point) const {
+    if (body_) return body_->distance(point) < margin_;
+    return glm::length(point - ball_->centre) < outerPart * ball_->radius;
+}
+
+void collectObstacles(const Scene& scene, const Capture& capture, const std::vector<EmitterOutline>& outlines,
+                      const LightBody& body, const std::vector<uint32_t>& own,
+                      const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& removed) {
+    ThroughVotes votes(scene, body);
+    for (const EmitterOutline& o : outlines) votes.vote(capture.views[o.view], o);
+    removed.insert(own.begin(), own.end());
+    votes.collect(emitterOfTriangle, removed);
+}
+
+std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const EmitterCluster& emitter) {
+    std::vector<uint32_t> reached = emitter.vertices;
+    const std::vector<int> rings = ringsAbout(scene, ridgeRingsTo, reached);
+    Vec3 normal(0);
+    std::vector<uint32_t> about;
+    for (const uint32_t v : reached)
+        if (rings[v] >= ridgeRingsFrom) {
+            about.push_back(v);
+            normal += scene.mesh.normals[v];
+        }
+    if (about.empty() || !(glm::length(normal) > 0)) return {};
+    normal = glm::normalize(normal);
+    std::vector<float> heights;
+    for (const uint32_t v : about)
+        if (glm::dot(scene.mesh.normals[v], normal) > alongRidge)
+            heights.push_back(glm::dot(scene.mesh.positions[v], normal));
+    if (float(heights.size()) < mostlyRidge * float(about.size())) return {};
+    const float base = medianOf(std::move(heights));
+    // A ridge's faces look away from the surface; a finger's or a bag's look all ways.
+    float away = 0, area = 0;
+    for (const uint32_t t : emitter.triangles) {
+        const float a = scene.mesh.triangleArea(t);
+        area += a;
+        if (glm::dot(scene.mesh.faceNormal(t), normal) > 0) away += a;
+    }
+    if (!(away > mostlyRidge * area)) return {};
+    std::vector<MeshMend::MovedVertex> moved;
+    for (const uint32_t v : reached) {
+        if (rings[v] >= ridgeRingsFrom) continue;
+        const Vec3& p = scene.mesh.positions[v];
+        moved.push_back({v, p - (glm::dot(p, normal) - base) * normal});
+    }
+    return moved;
+}
+
+std::vector<uint32_t> scrapsBehind(const Scene& scene, const RadianceSamples& samples, const EmitterBody& body,
+                                   const std::set<uint32_t>& removed) {
+    const size_t count = scene.mesh.triangles.size();
+    std::vector<uint8_t> seen(count, 0);
+    for (const ViewGeometry& g : samples.geometry)
+        for (const uint32_t t : g.triangle)
+            if (t != Hit::none) seen[t] = 1;
+    std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
+    const double reach = std::max({body.half.x, body.half.y, body.half.z});
+    std::vector<uint8_t> free(count, 0);
+    for (uint32_t t = 0; t < count; ++t) {
+        if (seen[t] || removed.count(t)) continue;
+        const Triangle& c = scene.mesh.triangles[t];
+        if (!std::all_of(c.begin(), c.end(),
+                         [&](uint32_t v) { return body.distance(DVec3(scene.mesh.positions[v])) < reach; }))
+            continue;
+        free[t] = 1;
+        for (const uint32_t v : c) at[v].push_back(t);
+    }
+    std::vector<uint8_t> cut(scene.mesh.vertexCount(), 0), kept = cut;
+    for (uint32_t t = 0; t < count; ++t)
+        for (const uint32_t v : scene.mesh.triangles[t]) (removed.count(t) ? cut[v] : kept[v]) |= !free[t];
+    // Connected pieces. One that borders what goes more than what stays hangs on it; others are ground.
+    std::vector<uint32_t> found;
+    for (const uint32_t first : removed)
+        for (const uint32_t start : scene.mesh.triangles[first]) {
+            std::vector<uint32_t> piece, front{start};
+            std::set<uint32_t> corners;
+            while (!front.empty()) {
+                const uint32_t v = front.back();
+                front.pop_back();
+                for (const uint32_t t : at[v]) {
+                    if (!free[t]) continue;
+                    free[t] = 0;
+                    piece.push_back(t);
+                    for (const uint32_t u : scene.mesh.triangles[t])
+                        if (corners.insert(u).second) front.push_back(u);
+                }
+            }
+            const auto onCut = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return cut[v]; }),
+                       onKept = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return kept[v]; });
+            if (onCut > onKept) found.insert(found.end(), piece.begin(), piece.end());
+        }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+void groundUnder(const Scene& scene, const EmitterBody& body, double reach, const std::set<uint32_t>& removed,
+                 std::vector<Vec3>& positions, std::vector<Triangle>& triangles) {
+    // Edges of what is removed that another triangle has the other way round: the border, as the fan runs along it.
+    std::set<std::pair<uint32_t, uint32_t>> inside;
+    for (const uint32_t t : removed)
+        for (size_t k = 0; k < 3; ++k) {
+            const Triangle& c = scene.mesh.triangles[t];
+            inside.insert({c[k], c[(k + 1) % 3]});
+        }
+    std::map<uint32_t, uint32_t> next;
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        if (removed.count(t)) continue;
+        const Triangle& c = scene.mesh.triangles[t];
+        for (size_t k = 0; k < 3; ++k)
+            if (inside.count({c[(k + 1) % 3], c[k]})) next[c[(k + 1) % 3]] = c[k];
+    }
+    while (!next.empty()) {
+        std::vector<uint32_t> loop;
+        for (auto it = next.begin(); it != next.end(); it = next.find(loop.back())) {
+            loop.push_back(it->second);
+            next.erase(it);
+        }
+        DVec3 middle(0);
+        bool near = loop.size() > 2;
+        for (const uint32_t v : loop) {
+            middle += DVec3(scene.mesh.positions[v]) / double(loop.size());
+            near = near && body.distance(DVec3(scene.mesh.positions[v])) < reach;
+        }
+        if (!near) continue;
+        const auto first = uint32_t(positions.size()), count = uint32_t(loop.size());
+        for (const uint32_t v : loop) positions.push_back(scene.mesh.positions[v]);
+        positions.push_back(Vec3(middle));
+        for (uint32_t k = 0; k < count; ++k) triangles.push_back({first + k, first + (k + 1) % count, first + count});
+    }
+}
+
+}  // namespace relamp

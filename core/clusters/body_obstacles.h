@@ -1,0 +1,50 @@
+// The mesh in the place of a body of light: what goes, and what stays behind it. Inner part of the clusters, not a
+// door.
+#pragma once
+#include <set>
+
+#include "capture/mesh_mend.h"
+#include "clusters/emitter_body.h"
+
+namespace relamp {
+
+/// A ball or a straight body.
+class LightBody {
+public:
+    explicit LightBody(const EmitterSphere& ball) : ball_(&ball) {}
+    LightBody(const EmitterBody& body, double margin) : body_(&body), margin_(margin) {}
+
+    /// Metres along the ray to the middle of what lies in the body's inner nine tenths; below 0: nothing does.
+    double middle(const DVec3& eye, const DVec3& direction) const;
+    /// Whether the point lies in it, a little about it included.
+    bool holds(const DVec3& point) const;
+
+private:
+    const EmitterSphere* ball_ = nullptr;
+    const EmitterBody* body_ = nullptr;
+    double margin_ = 0;
+};
+
+/// Adds to `removed` the triangles that the body takes the place of: its emitter's `own`, those within it, and those
+/// before it where photographs see it all the same. Those of other emitters stay: what they show is their own light.
+/// O(pixels of the body x layers).
+void collectObstacles(const Scene& scene, const Capture& capture, const std::vector<EmitterOutline>& outlines,
+                      const LightBody& body, const std::vector<uint32_t>& own,
+                      const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& removed);
+
+/// Where an emitter's surface is a ridge of the surface about it, as a reconstruction makes of a strip on a wall: its
+/// vertices on that surface, behind the light. Empty where it is a finger or a bag. O(vertices about it).
+std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const EmitterCluster& emitter);
+
+/// Triangles of the scene about the body that no photograph shows and that hang together only by `removed` ones: the
+/// bag that a reconstruction closes behind a panel. Ascending. O(triangles).
+std::vector<uint32_t> scrapsBehind(const Scene& scene, const RadianceSamples& samples, const EmitterBody& body,
+                                   const std::set<uint32_t>& removed);
+
+/// Fans of triangles over the borders that are left where `removed` triangles met others within `reach` metres of the
+/// body: the ground that a standing light hid. Triangles of `positions`; corners are copies of the mesh's.
+/// O(triangles).
+void groundUnder(const Scene& scene, const EmitterBody& body, double reach, const std::set<uint32_t>& removed,
+                 std::vector<Vec3>& positions, std::vector<Triangle>& triangles);
+
+}  // namespace relamp

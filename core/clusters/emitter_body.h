@@ -1,0 +1,34 @@
+// A straight body of light, tube or box, that explains what the photographs show of an emitter: tubes, panels, tablets
+// and strips of which a reconstruction made a ridge, a bag or shreds.
+#pragma once
+#include <optional>
+
+#include "clusters/emitter_sphere.h"
+
+namespace relamp {
+
+/// A box, or a tube along the first axis with flat ends.
+struct EmitterBody {
+    bool round = false;                ///< a tube: half[1] == half[2] is its radius
+    DVec3 centre{0};                   ///< metres
+    glm::dmat3 axes{1};                ///< columns: unit, right-handed
+    DVec3 half{0};                     ///< metres along the axes
+    float overlap = 0;                 ///< of outlines and silhouettes, where nothing hides them
+    float mostSeen = 0, nextSeen = 0;  ///< of its silhouettes, the fraction that shows light, in the two best views
+
+    /// Metres from `eye` to where the ray enters and leaves the body, blown up by `scale`; x > y: it misses.
+    glm::dvec2 chord(const DVec3& eye, const DVec3& direction, double scale = 1) const;
+    /// Metres of the point from the body's surface; below 0: within (up to the distance from the nearest side).
+    double distance(const DVec3& point) const;
+    /// Its surface with sharp edges: sides share no vertices. Edges are about a twentieth of its length, or as long as
+    /// it is thick. `triangles` of `positions`.
+    void surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) const;
+};
+
+/// The tube or box whose silhouettes overlap the outlines best, a pattern search from coarse to fine; a box only where
+/// it is clearly better than a tube. None with fewer than three views, or all within 10 degrees. `cluster`: what the
+/// mesh has of the emitter, where the search begins. O(pixels about the outlines x 2000), at most 30 000 of them.
+std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                   const EmitterCluster& cluster, const std::vector<EmitterOutline>& outlines);
+
+}  // namespace relamp
