@@ -4,6 +4,22 @@
 
 namespace relamp {
 
+namespace {
+
+/// Normals of moved vertices whose faces turned by more than 20 degrees turn with them.
+void turnNormals(const MeshMend& mend, const std::vector<Vec3>& before, Mesh& mesh) {
+    constexpr float little = 0.94f;
+    const std::vector<Vec3> after = vertexNormalsFromFaces(mesh);
+    for (const MeshMend::MovedVertex& m : mend.moved) {
+        const uint32_t v = m.vertex;
+        if (v >= mesh.normals.size() || glm::dot(before[v], after[v]) > little) continue;
+        const Vec3 turned = mesh.normals[v] + after[v] - before[v];
+        mesh.normals[v] = glm::length(turned) > 0.1f ? glm::normalize(turned) : after[v];
+    }
+}
+
+}  // namespace
+
 std::vector<uint32_t> trianglesLeft(const MeshMend& mend, size_t triangles) {
     std::vector<uint8_t> removed(triangles, 0);
     for (const uint32_t t : mend.removed)
@@ -20,12 +36,14 @@ void applyMend(const MeshMend& mend, Mesh& mesh) {
         if (!isFinite(p)) throw Error("mesh correction: added vertex at {:g} {:g} {:g}", p.x, p.y, p.z);
         mesh.positions.push_back(p);
     }
+    const std::vector<Vec3> before = mend.moved.empty() ? std::vector<Vec3>() : vertexNormalsFromFaces(mesh);
     for (const MeshMend::MovedVertex& m : mend.moved) {
         if (m.vertex >= mesh.vertexCount() || !isFinite(m.position))
             throw Error("mesh correction: vertex {} of {} at {:g} {:g} {:g}", m.vertex, mesh.vertexCount(),
                         m.position.x, m.position.y, m.position.z);
         mesh.positions[m.vertex] = m.position;
     }
+    if (!mend.moved.empty()) turnNormals(mend, before, mesh);
     const auto marked = [&](const std::vector<uint32_t>& triangles) {
         std::vector<uint8_t> mark(mesh.triangles.size(), 0);
         for (const uint32_t t : triangles) {

@@ -32,8 +32,8 @@ struct MeshMend {
 std::vector<uint32_t> trianglesLeft(const MeshMend& mend, size_t triangles);
 
 /// Moves the vertices, takes the triangles away and adds the others behind those that are left; vertices keep their
-/// numbers. Throws Error for a vertex or triangle that the mesh does not have, and for a position that is not finite.
-/// O(triangles).
+/// numbers. Normals of moved ones stay, but for those whose faces turn by more than 20 degrees. Throws Error for a
+/// vertex or triangle that the mesh does not have, and for a position that is not finite. O(triangles).
 void applyMend(const MeshMend& mend, Mesh& mesh);
 
 }  // namespace relamp

@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "base/statistics.h"
+#include "clusters/patches.h"
 
 namespace relamp {
 namespace {
 
 constexpr double innerPart = 0.9, outerPart = 1.05;
-constexpr int ridgeRingsFrom = 2, ridgeRingsTo = 5;  ///< of neighbours that tell where the surface about it lies
+constexpr int ridgeRingsFrom = 5, ridgeRingsTo = 9;  ///< of neighbours that tell where the surface about it lies
+constexpr int ridgeFoot = 3;                         ///< rings that a ridge's rounded foot has
 constexpr float alongRidge = 0.8f;                   ///< cosine of that surface's normals with their mean
-constexpr float mostlyRidge = 0.8f;                  ///< of the area, and of the vertices about it
+constexpr double scrapReach = 2;        ///< of a body's half length: so far away a bag goes that hangs on it
+constexpr float islandPart = 0.25f;     ///< of the scraps' area: an island of theirs is no larger
+constexpr float radianceBehind = 0.2f;  ///< relative: a pixel shows what lies behind
+constexpr float mostlyRidge = 0.8f;     ///< of the area, and of the vertices about it
 
 /// Pixels through triangles that show the body, and that do not.
 class ThroughVotes {
@@ -83,6 +89,113 @@ std::vector<int> ringsAbout(const Scene& scene, int last, std::vector<uint32_t>&
     return rings;
 }
 
+/// Radiance that other photographs show at a hit, or of the background along the ray; none where none shows it.
+std::optional<Rgb> shownThere(const Scene& scene, const RadianceSamples& samples,
+                              const std::vector<VertexRadiance>& seen, const Hit& hit, const Vec3& direction,
+                              uint32_t view) {
+    if (!hit) {
+        const int environment = samples.environmentOf(samples.stateOf(view));
+        if (environment < 0) return {};
+        const size_t cell =
+            size_t(environment) * samples.backgroundGrid.cells() + size_t(samples.backgroundGrid.cellOf(direction));
+        if (cell >= samples.backgroundPixels.size() || !samples.backgroundPixels[cell]) return {};
+        return samples.background[cell];
+    }
+    Rgb sum(0);
+    float weight = 0;
+    for (const uint32_t v : scene.mesh.triangles[hit.triangle])
+        if (seen[v].weight > 0) {
+            sum += seen[v].radiance;
+            weight += 1;
+        }
+    if (!(weight > 0)) return {};
+    return sum / weight;
+}
+
+/// Of the triangles `about`, 1 for those that no pixel hits, and for those through which most pixels on and around them
+/// show what lies behind.
+std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                              const std::vector<uint8_t>& about) {
+    const std::vector<VertexRadiance> seen = vertexRadiance(scene, samples);
+    std::vector<uint32_t> through(scene.mesh.vertexCount(), 0), against = through;
+    std::vector<uint8_t> hits(about.size(), 0);
+    for (size_t i = 0; i < samples.geometry.size(); ++i) {
+        const ViewGeometry& g = samples.geometry[i];
+        for (size_t p = 0; p < g.triangle.size(); ++p) {
+            const uint32_t t = g.triangle[p];
+            if (t == Hit::none) continue;
+            hits[t] = 1;
+            if (!about[t] || i >= capture.views.size()) continue;
+            const View& view = capture.views[i];
+            const int x = int(p % size_t(g.width)), y = int(p / size_t(g.width));
+            if (!view.image.usableAt(x, y)) continue;
+            const Vec3 eye(view.camera.position()),
+                direction = view.camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
+            float from = g.depth[p];
+            Hit hit;
+            for (int layers = 0; layers < 16; ++layers) {
+                hit = scene.cameraTracer->closest(
+                    {eye, direction, from + 0.25f * scene.tracer->surfaceOffset() + 1e-6f * from, 1e30f});
+                if (!hit || !about[hit.triangle]) break;
+                from = hit.distance;
+            }
+            const std::optional<Rgb> behind = shownThere(scene, samples, seen, hit, direction, uint32_t(i));
+            if (!behind) continue;
+            const Rgb value = view.image.at(x, y);
+            const bool same = glm::length(value - *behind) < radianceBehind * glm::length(*behind);
+            for (const uint32_t v : scene.mesh.triangles[t]) ++(same ? through[v] : against[v]);
+        }
+    }
+    std::vector<uint8_t> result(about.size(), 0);
+    for (uint32_t t = 0; t < about.size(); ++t) {
+        if (!about[t]) continue;
+        uint32_t yes = 0, no = 0;
+        for (const uint32_t v : scene.mesh.triangles[t]) yes += through[v], no += against[v];
+        result[t] = yes + no > 0 ? yes > 2 * no : !hits[t];
+    }
+    return result;
+}
+
+float areaOf(const Scene& scene, const std::vector<uint32_t>& triangles) {
+    float area = 0;
+    for (const uint32_t t : triangles) area += scene.mesh.triangleArea(t);
+    return area;
+}
+
+/// Pieces that are left of a bag once its `scraps` are gone: small ones that hang on nothing else.
+std::vector<uint32_t> islandsAmong(const Scene& scene, const std::vector<uint8_t>& about,
+                                   const std::set<uint32_t>& removed, const std::vector<uint32_t>& scraps) {
+    std::vector<uint8_t> gone(about.size(), 0);
+    for (const uint32_t t : removed) gone[t] = 1;
+    for (const uint32_t t : scraps) gone[t] = 1;
+    std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
+    for (uint32_t t = 0; t < about.size(); ++t)
+        if (!gone[t])
+            for (const uint32_t v : scene.mesh.triangles[t]) at[v].push_back(t);
+    const float most = islandPart * areaOf(scene, scraps);
+    std::vector<uint32_t> found;
+    for (const uint32_t scrap : scraps)
+        for (const uint32_t start : scene.mesh.triangles[scrap]) {
+            std::vector<uint32_t> piece, front{start};
+            float area = 0;
+            bool island = true;
+            while (!front.empty() && island) {
+                const uint32_t v = front.back();
+                front.pop_back();
+                for (const uint32_t t : at[v]) {
+                    if (gone[t]) continue;
+                    gone[t] = 1;
+                    piece.push_back(t);
+                    area += scene.mesh.triangleArea(t);
+                    island = island && about[t] && area < most;
+                    for (const uint32_t u : scene.mesh.triangles[t]) front.push_back(u);
+                }
+            }
+            if (island) found.insert(found.end(), piece.begin(), piece.end());
+        }
+    return found;
+}
+
 }  // namespace
 
 double LightBody::middle(const DVec3& eye, const DVec3& direction) const {
@@ -138,35 +251,32 @@ std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const Emitte
     if (!(away > mostlyRidge * area)) return {};
     std::vector<MeshMend::MovedVertex> moved;
     for (const uint32_t v : reached) {
-        if (rings[v] >= ridgeRingsFrom) continue;
+        const float part = std::min(1.0f, float(ridgeRingsFrom + 1 - rings[v]) / float(ridgeRingsFrom + 1 - ridgeFoot));
+        if (!(part > 0)) continue;
         const Vec3& p = scene.mesh.positions[v];
-        moved.push_back({v, p - (glm::dot(p, normal) - base) * normal});
+        moved.push_back({v, p - part * (glm::dot(p, normal) - base) * normal});
     }
     return moved;
 }
 
-std::vector<uint32_t> scrapsBehind(const Scene& scene, const RadianceSamples& samples, const EmitterBody& body,
-                                   const std::set<uint32_t>& removed) {
+std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                   const EmitterBody& body, const std::set<uint32_t>& removed) {
     const size_t count = scene.mesh.triangles.size();
-    std::vector<uint8_t> seen(count, 0);
-    for (const ViewGeometry& g : samples.geometry)
-        for (const uint32_t t : g.triangle)
-            if (t != Hit::none) seen[t] = 1;
-    std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
-    const double reach = std::max({body.half.x, body.half.y, body.half.z});
-    std::vector<uint8_t> free(count, 0);
+    const double reach = scrapReach * std::max({body.half.x, body.half.y, body.half.z});
+    std::vector<uint8_t> about(count, 0);
     for (uint32_t t = 0; t < count; ++t) {
-        if (seen[t] || removed.count(t)) continue;
         const Triangle& c = scene.mesh.triangles[t];
-        if (!std::all_of(c.begin(), c.end(),
-                         [&](uint32_t v) { return body.distance(DVec3(scene.mesh.positions[v])) < reach; }))
-            continue;
-        free[t] = 1;
-        for (const uint32_t v : c) at[v].push_back(t);
+        about[t] = !removed.count(t) && std::all_of(c.begin(), c.end(), [&](uint32_t v) {
+            return body.distance(DVec3(scene.mesh.positions[v])) < reach;
+        });
     }
-    std::vector<uint8_t> cut(scene.mesh.vertexCount(), 0), kept = cut;
+    const std::vector<uint8_t> free = notThere(scene, capture, samples, about);
+    std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
+    std::vector<uint8_t> cut(scene.mesh.vertexCount(), 0), kept = cut, left = free;
     for (uint32_t t = 0; t < count; ++t)
-        for (const uint32_t v : scene.mesh.triangles[t]) (removed.count(t) ? cut[v] : kept[v]) |= !free[t];
+        for (const uint32_t v : scene.mesh.triangles[t])
+            if (free[t]) at[v].push_back(t);
+            else (removed.count(t) ? cut[v] : kept[v]) = 1;
     // Connected pieces. One that borders what goes more than what stays hangs on it; others are ground.
     std::vector<uint32_t> found;
     for (const uint32_t first : removed)
@@ -177,17 +287,19 @@ std::vector<uint32_t> scrapsBehind(const Scene& scene, const RadianceSamples& sa
                 const uint32_t v = front.back();
                 front.pop_back();
                 for (const uint32_t t : at[v]) {
-                    if (!free[t]) continue;
-                    free[t] = 0;
+                    if (!left[t]) continue;
+                    left[t] = 0;
                     piece.push_back(t);
                     for (const uint32_t u : scene.mesh.triangles[t])
                         if (corners.insert(u).second) front.push_back(u);
                 }
             }
-            const auto onCut = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return cut[v]; }),
-                       onKept = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return kept[v]; });
+            const auto onCut = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return cut[v] != 0; }),
+                       onKept = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return kept[v] != 0; });
             if (onCut > onKept) found.insert(found.end(), piece.begin(), piece.end());
         }
+    const std::vector<uint32_t> islands = islandsAmong(scene, about, removed, found);
+    found.insert(found.end(), islands.begin(), islands.end());
     std::sort(found.begin(), found.end());
     return found;
 }

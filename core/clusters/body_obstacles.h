@@ -36,10 +36,11 @@ void collectObstacles(const Scene& scene, const Capture& capture, const std::vec
 /// vertices on that surface, behind the light. Empty where it is a finger or a bag. O(vertices about it).
 std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const EmitterCluster& emitter);
 
-/// Triangles of the scene about the body that no photograph shows and that hang together only by `removed` ones: the
-/// bag that a reconstruction closes behind a panel. Ascending. O(triangles).
-std::vector<uint32_t> scrapsBehind(const Scene& scene, const RadianceSamples& samples, const EmitterBody& body,
-                                   const std::set<uint32_t>& removed);
+/// Triangles of the scene about the body that hang together with the others by `removed` ones most of all, and that no
+/// photograph shows or through which photographs show what lies behind: the bag that a reconstruction closes below a
+/// panel. Ascending. O(pixels + triangles).
+std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                   const EmitterBody& body, const std::set<uint32_t>& removed);
 
 /// Fans of triangles over the borders that are left where `removed` triangles met others within `reach` metres of the
 /// body: the ground that a standing light hid. Triangles of `positions`; corners are copies of the mesh's.

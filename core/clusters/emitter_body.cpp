@@ -270,7 +270,7 @@ void EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& t
             const double a = 2 * piD * t;
             return DVec3(x, r * std::cos(a), r * std::sin(a));
         };
-        sheet(around, cells(2 * half.x), [&](double s, double t) { return rim(half.x * (1 - 2 * t), s, radius); });
+        sheet(around, cells(2 * half.x), [&](double s, double t) { return rim(half.x * (2 * t - 1), s, radius); });
         sheet(around, 1, [&](double s, double t) { return rim(half.x, s, radius * (1e-3 + (1 - 1e-3) * (1 - t))); });
         sheet(around, 1, [&](double s, double t) { return rim(-half.x, s, radius * (1e-3 + (1 - 1e-3) * t)); });
         return;

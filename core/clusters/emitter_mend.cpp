@@ -139,7 +139,8 @@ std::optional<EmitterReplacement> replacementOf(const Scene& scene, const Captur
     if (r.setBack.empty()) {
         collectObstacles(scene, capture, outlines, LightBody(*body, bodyMargin * double(scene.diagonal)), e.triangles,
                          clusters.emitterOfTriangle, removed);
-        const std::vector<uint32_t> scraps = scrapsBehind(scene, samples, *body, removed);
+        const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, *body, removed);
+        logInfo("{} triangles in the body's place go, and {} scraps that hang on them", removed.size(), scraps.size());
         removed.insert(scraps.begin(), scraps.end());
         groundUnder(scene, *body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);
     }

@@ -157,7 +157,7 @@ TEST(EmitterMend, ALightBeforeABallIsNoObstacle) {
 Mesh eggOf(const Vec3& centre, const Vec3& size) {
     Mesh egg = test::ball(Vec3(0), 1, 24, 48);
     for (Vec3& p : egg.positions) p = centre + p * size;
-    egg.normals.clear();
+    egg.normals = vertexNormalsFromFaces(egg);
     return egg;
 }
 
@@ -322,10 +322,10 @@ TEST(BodyObstacles, ABagThatNoPhotographShowsGoesAndTheGroundStays) {
     box.half = DVec3(size);
     std::set<uint32_t> removed;
     for (uint32_t t = 0; t < panel; ++t) removed.insert(t);
-    EXPECT_EQ(scrapsBehind(scene, samples, box, removed).size(), bag.triangles.size());
+    EXPECT_EQ(scrapsBehind(scene, {}, samples, box, removed).size(), bag.triangles.size());
     // Were it seen, it would stay.
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) samples.geometry[0].triangle.push_back(t);
-    EXPECT_TRUE(scrapsBehind(scene, samples, box, removed).empty());
+    EXPECT_TRUE(scrapsBehind(scene, {}, samples, box, removed).empty());
 }
 
 TEST(BodyObstacles, TheGroundUnderAStandingLightIsClosed) {
