@@ -351,8 +351,9 @@ private:
         if (changesWithView(patch, options_)) return "changes with the view, as a reflection does";
         if (!e.viewsAgree && e.uniformity > 0.03f)
             return "hardly seen from two sides and not uniform: could be a reflection";
-        if (e.sceneContrast < options_.minContrast && e.uniformity > 0.06f)
-            return "no brighter than other surfaces and not uniform";
+        // A highlight is seldom far brighter than bright surfaces; the less so, the more uniform a light must be.
+        if (e.uniformity > 0.06f * std::max(1.0f, e.sceneContrast / options_.minContrast) && e.uniformity <= 0.12f)
+            return "hardly brighter than other surfaces and not uniform";
         if (e.uniformity > 0.12f) return "its radiance varies as shading does";
         if (e.edgeDrop > 0.8f) return fadesOutReason;
         if (tooFewPixels(scene_, capture_, samples_, patch)) return tooFewPixelsReason;
