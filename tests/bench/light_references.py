@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """What a light reference is worth where no lamp is seen: one table row a solve.
 
-    light_references.py SCENE OUT [--relamp build/relamp] [--quality draft] [--seen] [--find-light]
+    light_references.py SCENE OUT [--relamp build/relamp] [--quality draft] [--seen] [--proxy-light X,Y,Z]
 
-SCENE has truth/vertices.ply (albedo, emission, emitter_id) and truth/env.exr. Its lamps are hidden (hide_lamp.py; --seen leaves them). The
-probe is the true environment, turned by 73.4 degrees, times 0.37 0.40 0.33, with 3 % of noise a texel. It is solved without any reference,
-with the probe, and with a grey patch of the true albedo: the largest disc of one paint that a view shows. Scale: found over true albedo,
+SCENE has truth/vertices.ply (albedo, emission, emitter_id) and truth/env.exr. Its lamps are hidden (hide_lamp.py; --seen leaves them), and
+--proxy-light says where one stands. The probe is the true environment, turned by 73.4 degrees, times 0.37 0.40 0.33, with 3 % of noise a
+texel. It is solved without any reference, with the probe, and with a grey patch of the true albedo: the largest disc of one paint that a view shows. Scale: found over true albedo,
 median of the matte vertices that are seen, red green blue. Environment: relative L2 at 64 x 32 after one scale. Needs python3-numpy and
 python3-openimageio.
 """
@@ -22,7 +22,7 @@ parser.add_argument("out", type=pathlib.Path)
 parser.add_argument("--relamp", default="build/relamp")
 parser.add_argument("--quality", default="draft")
 parser.add_argument("--seen", action="store_true")
-parser.add_argument("--find-light", action="store_true")
+parser.add_argument("--proxy-light", action="append", default=[])
 arguments = parser.parse_args()
 scene, out = arguments.scene, arguments.out
 capture = scene
@@ -91,8 +91,8 @@ def solve(name, options):
     shot = out / (name + ".relamp")
     shutil.rmtree(shot, ignore_errors=True)
     command = [arguments.relamp, "solve", capture, "-o", shot, "--quality", arguments.quality, "--accept-poor", "--quiet", *options]
-    if arguments.find_light:
-        command.append("--find-light")
+    for light in arguments.proxy_light:
+        command.append("--proxy-light=" + light)
     run = subprocess.run([str(c) for c in command], capture_output=True, text=True)
     if run.returncode:
         print(f"| {name} | exit {run.returncode}: {run.stderr.strip().splitlines()[-1]} | | | |")
