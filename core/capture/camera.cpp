@@ -223,7 +223,8 @@ std::optional<glm::dvec2> Camera::projectByFormula(const DVec3& world) const {
 
 Vec3 Camera::rayDirection(const Vec2& pixel) const {
     DVec2 q((pixel.x - centreX) / focalX, (pixel.y - centreY) / focalY);
-    if (model != LensModel::simplePinhole && model != LensModel::pinhole) {
+    const bool straight = std::all_of(distortion.begin(), distortion.end(), [](double k) { return k == 0; });
+    if (model != LensModel::simplePinhole && model != LensModel::pinhole && !straight) {
         const Radial radial = radialOf(model, distortion);
         q = undistort(model, radial, distortion, q);
     }

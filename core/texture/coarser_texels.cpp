@@ -50,19 +50,24 @@ void addCoarser(AlbedoTexture& texture) {
     texture.coarser.clear();
     texture.ofTriangle.assign(texture.corners.size(), Rgb(0));
     std::vector<float> weight(texture.texels.size(), 0);
-    for (uint32_t t = 0; t < texture.corners.size(); ++t) {
-        if (!texture.has(t)) continue;
+    parallelFor(texture.corners.size(), 1024, [&](size_t t) {
+        if (!texture.has(uint32_t(t))) return;
         Rgb sum(0);
         float count = 0;
         texelsInside(texture.corners[t], texture.width, texture.height, [&](size_t at) {
-            weight[at] = 1;
             sum += texture.texels[at];
             ++count;
             return true;
         });
         const std::array<Vec2, 3>& c = texture.corners[t];
         texture.ofTriangle[t] = count > 0 ? sum / count : texture.at((c[0] + c[1] + c[2]) / 3.0f);
-    }
+    });
+    trianglesByRows(texture, [&](uint32_t t, const TexelRows& rows) {
+        texelsInside(texture.corners[t], texture.width, rows, [&](size_t at) {
+            weight[at] = 1;
+            return true;
+        });
+    });
     closeEdges(weight, texture.width, texture.height);
     const std::vector<Rgb>* finer = &texture.texels;
     int width = texture.width, height = texture.height;

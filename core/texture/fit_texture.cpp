@@ -52,16 +52,24 @@ std::vector<float> densityOf(const Scene& scene, const Estimate& estimate, const
 
 }  // namespace
 
+namespace {
+
+double texelsOf(double pixels, const TextureOptions& options) {
+    return std::min(double(options.mostSide) * options.mostSide, 0.5 * pixels);
+}
+
+}  // namespace
+
 double textureSeconds(double pixels, const TextureOptions& options) {
-    // Positions that do not fit into memory are traced anew in each pass, and their texels are as wide as pixels.
-    const bool kept = keepsSamples(pixels);
-    const double looks = kept ? 4 * pixels * 1.5 * options.passes * 1.2e-7 : mostTexelSamples * options.passes * 5.4e-7;
-    return 0.5 + 2.5e-7 * pixels + looks;
+    // Half as many passes again follow those without the views left out.
+    const double passes = 1.5 * options.passes,
+                 looks = keepsSamples(pixels) ? 4 * pixels * 5e-8 : std::min(pixels, mostTexelSamples) * 1e-7;
+    return 0.5 + 1.5e-7 * pixels + 2e-7 * texelsOf(pixels, options) + looks * passes;
 }
 
 double textureMib(double pixels, const TextureOptions& options) {
-    const double texels = std::min(double(options.mostSide) * options.mostSide, 0.5 * pixels);
-    return (44 * texels + std::min(4 * pixels, mostTexelSamples) / 4 * sizeof(TracedPixel)) / (1 << 20);
+    const double kept = keepsSamples(pixels) ? pixels * sizeof(TracedPixel) : 1.5 * pixels;
+    return (56 * texelsOf(pixels, options) + kept) / (1 << 20);
 }
 
 namespace {
@@ -114,7 +122,7 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
     const size_t views = capture.views.size();
     progress.begin("Albedo per texel", views * size_t(passes + passes / 2 + 1));
     TextureSolver solver(capture, scene, estimate, texture, inside, geometry, progress);
-    TexelSums sums(texture.texels.size(), solver.samplesPerTexel());
+    std::optional<TexelSums> sums(std::in_place, texture.texels.size(), solver.samplesPerTexel());
     std::vector<uint8_t> used(views, 1);
     std::vector<uint32_t> left;
     std::vector<float> fractions;
@@ -125,7 +133,7 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
         for (const uint32_t view : {ofState[n / 3], ofState[2 * n / 3]})
             for (const uint32_t alike : viewsTakenFrom(capture, view)) left.push_back(alike);
     for (const uint32_t view : left) used[view] = 0;
-    for (int k = 0; k < passes; ++k) solver.pass(used, k, sums, progress);
+    for (int k = 0; k < passes; ++k) solver.pass(used, k, *sums, progress);
     if (!left.empty()) {
         std::vector<DetailEvidence> evidence(atlas.charts);
         for (const uint32_t view : left) solver.judge(view, atlas, evidence);
@@ -135,16 +143,20 @@ TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate
                                   fit.gain.percent());
             return fit;
         }
+        sums.reset();  // room for a copy
         AlbedoTexture without = texture;
         if (!options.always) solver.keepDetail(atlas, fractions, without);
         fit.without = std::make_shared<const AlbedoTexture>(std::move(without));
         used.assign(views, 1);
-        for (int k = passes / 2; k < passes; ++k) solver.pass(used, k, sums, progress);
+        sums.emplace(texture.texels.size(), solver.samplesPerTexel());
+        for (int k = passes / 2; k < passes; ++k) solver.pass(used, k, *sums, progress);
+        sums.reset();
         if (!options.always) solver.keepDetail(atlas, fractions, texture);
     }
+    sums.reset();
     texture.confidence = solver.confidence(atlas, options.always ? std::vector<float>{} : fractions);
-    constexpr int levelling = 24;
-    levelSeams(seamPoints(scene.mesh, texture), levelling, texture);
+    constexpr float perTexel = 5;
+    levelSeams(seamPoints(scene.mesh, texture, perTexel), texture);
     addCoarser(texture);
     fit.texture = std::make_shared<const AlbedoTexture>(std::move(texture));
     return fit;

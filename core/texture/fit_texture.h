@@ -44,8 +44,8 @@ struct TextureFit {
 /// Super-resolution by back-projection [IraniPeleg91] [Goldluecke14]: every photograph is predicted through its
 /// pixels' footprints, and what is left over goes back to the texels that the pixel covers. Starts from the vertices'
 /// albedo, which stays where no photograph says more; robust against what other views contradict. `scene` and
-/// `estimate` are the capture's. Cost: a pass looks at 1.2e7 positions at most. Memory: 44 B a texel, 150 B a
-/// pixel up to a limit of 500 MiB. The same bits on any number of threads. Throws Cancelled.
+/// `estimate` are the capture's. Cost: a pass looks at 1.2e7 positions at most. Memory: 56 B a texel; 150 B a
+/// pixel of 3 million at most, 2 to 7 B a pixel of more. The same bits on any number of threads. Throws Cancelled.
 TextureFit fitTexture(const Capture& capture, const Scene& scene, const Estimate& estimate,
                       const TextureOptions& options, Progress& progress);
 

@@ -60,6 +60,34 @@ void learnDensity(const Camera& camera, const Scene& scene, const SeenSurface& s
         }
 }
 
+/// Pixels to the nearest 0 along rows and columns (the larger of the two), farAway at most: first in the row, then
+/// over the rows around.
+void spreadEdges(std::vector<uint8_t>& away, int width, int height) {
+    static_assert(farAway == 3);
+    const size_t w = size_t(width);
+    std::vector<uint8_t> inRow(away.size());
+    parallelFor(size_t(height), 16, [&](size_t y) {
+        const uint8_t* from = &away[y * w];
+        uint8_t* to = &inRow[y * w];
+        for (size_t x = 0; x < w; ++x) {
+            uint8_t d = from[x] == 0 ? 0 : farAway;
+            for (size_t k = 1; k < farAway; ++k)
+                if ((x >= k && from[x - k] == 0) || (x + k < w && from[x + k] == 0)) d = std::min(d, uint8_t(k));
+            to[x] = d;
+        }
+    });
+    parallelFor(size_t(height), 16, [&](size_t y) {
+        uint8_t* to = &away[y * w];
+        std::copy_n(&inRow[y * w], w, to);
+        for (size_t k = 1; k < farAway; ++k)
+            for (const bool up : {true, false}) {
+                if (up ? y < k : y + k >= size_t(height)) continue;
+                const uint8_t* from = &inRow[(up ? y - k : y + k) * w];
+                for (size_t x = 0; x < w; ++x) to[x] = std::min(to[x], std::max(from[x], uint8_t(k)));
+            }
+    });
+}
+
 PhotographGeometry geometryOf(const View& view, const Scene& scene, const std::vector<int>& emitterOfTriangle,
                               const SeenSurface& seen) {
     const Camera& camera = view.camera;
@@ -74,46 +102,56 @@ PhotographGeometry geometryOf(const View& view, const Scene& scene, const std::v
     };
     parallelFor(size_t(height), 16, [&](size_t row) {
         const int y = int(row);
+        uint32_t triangle = Hit::none;
+        Vec3 normal(0);
         for (int x = 0; x < width; ++x) {
             const size_t p = row * size_t(width) + size_t(x);
             if (!surface(p)) {
                 away[p] = 0;
                 continue;
             }
-            const Vec3 normal = scene.mesh.faceNormal(seen.triangle[p]);
             const float reach = 2.5f * pixel * seen.depth[p];
             for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
                 if (x + dx < 0 || y + dy < 0 || x + dx >= width || y + dy >= height) continue;
                 const size_t q = size_t(y + dy) * size_t(width) + size_t(x + dx);
+                if (seen.triangle[q] == seen.triangle[p]) continue;  // one plane
+                if (triangle != seen.triangle[p]) {
+                    triangle = seen.triangle[p];
+                    normal = scene.mesh.faceNormal(triangle);
+                }
                 if (!surface(q) || std::abs(glm::dot(seen.point[q] - seen.point[p], normal)) > reach) away[p] = 0;
             }
         }
     });
-    for (uint8_t ring = 1; ring < farAway; ++ring) {
-        const std::vector<uint8_t> before = away;
-        parallelFor(size_t(height), 16, [&](size_t row) {
-            for (int x = 0; x < width; ++x) {
-                const size_t p = row * size_t(width) + size_t(x);
-                if (before[p] < ring) continue;
-                for (int k = 0; k < 9; ++k) {
-                    const int nx = x + k % 3 - 1, ny = int(row) + k / 3 - 1;
-                    if (nx >= 0 && ny >= 0 && nx < width && ny < height &&
-                        before[size_t(ny) * size_t(width) + size_t(nx)] == ring - 1)
-                        away[p] = ring;
-                }
-            }
-        });
-    }
-    for (size_t p = 0; p < pixels; ++p) {
-        const int x = int(p % size_t(width)), y = int(p / size_t(width));
-        const bool clipped = view.saturation > 0 && maxChannel(view.image.at(x, y)) >= view.saturation;
-        if (clipped || !view.image.usableAt(x, y)) away[p] = 0;
-        g.surfacePixels += away[p] > 0;
-    }
+    spreadEdges(away, width, height);
+    g.surfacePixels = parallelSum(size_t(height), 16, size_t(0), [&](size_t begin, size_t end) {
+        size_t count = 0;
+        for (size_t p = begin * size_t(width); p < end * size_t(width); ++p) {
+            const bool clipped = view.saturation > 0 && maxChannel(view.image.pixels[p]) >= view.saturation;
+            if (clipped || (!view.image.usable.empty() && !view.image.usable[p])) away[p] = 0;
+            count += away[p] > 0;
+        }
+        return count;
+    });
     return g;
 }
 
 }  // namespace
+
+void TriangleRuns::addRow(const uint32_t* triangles, size_t width) {
+    if (rowStart_.empty()) rowStart_.push_back(0);
+    for (size_t x = 0; x < width; ++x) {
+        if (x > 0 && triangles[x] == triangles[x - 1]) continue;
+        triangle_.push_back(triangles[x]);
+        begin_.push_back(uint16_t(x));
+    }
+    rowStart_.push_back(triangle_.size());
+}
+
+void TriangleRuns::finish() {
+    triangle_.shrink_to_fit();
+    begin_.shrink_to_fit();
+}
 
 PhotographGeometry geometryOfView(const View& view, const Scene& scene, const std::vector<int>& emitterOfTriangle,
                                   Progress& progress) {
@@ -133,7 +171,11 @@ std::vector<PhotographGeometry> photographGeometry(const Capture& capture, const
         SeenSurface seen = surfaceSeen(view.camera, scene, progress);
         geometry.push_back(geometryOf(view, scene, emitterOfTriangle, seen));
         learnDensity(view.camera, scene, seen, geometry.back(), density);
-        if (keepTriangles) geometry.back().triangle = std::move(seen.triangle);
+        if (!keepTriangles || view.camera.width > 65536) continue;
+        TriangleRuns& runs = geometry.back().triangles;
+        const size_t width = size_t(view.camera.width);
+        for (size_t y = 0; y < size_t(view.camera.height); ++y) runs.addRow(&seen.triangle[y * width], width);
+        runs.finish();
     }
     return geometry;
 }

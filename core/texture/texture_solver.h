@@ -1,6 +1,8 @@
 // Texels from the pixels that cover them, pass by pass, under light that is known at the vertices.
 #pragma once
 #include <atomic>
+#include <bit>
+#include <optional>
 
 #include "base/progress.h"
 #include "capture/capture.h"
@@ -16,26 +18,36 @@ constexpr double mostTexelSamples = 1.2e7;
 /// Four positions in each pixel, which are kept; else one, at its centre.
 inline bool keepsSamples(double pixels) { return 4 * pixels <= mostTexelSamples; }
 
-/// Sums that atomic integers add up: in any order the same bits.
+/// Sums that atomic integers add up: in any order the same bits. Two of 32 bits share one word.
 class TexelSums {
 public:
     TexelSums(size_t texels, float samplesPerTexel)
-        : unit_(32768 / std::max(1.0f, samplesPerTexel / 100)), sums_(texels * 4, 0) {}
+        : unit_(32768 / std::max(1.0f, samplesPerTexel / 100)), sums_(texels * 2, 0) {}
     void clear() { std::fill(sums_.begin(), sums_.end(), 0); }
     void add(size_t texel, float weight, const Rgb& difference) {
-        put(texel * 4, weight);
-        for (int c = 0; c < 3; ++c) put(texel * 4 + 1 + size_t(c), weight * difference[c]);
+        put(texel * 2, weight, weight * difference.x);
+        put(texel * 2 + 1, weight * difference.y, weight * difference.z);
     }
-    float weight(size_t texel) const { return float(sums_[texel * 4]) / unit_; }
+    void prefetch(size_t texel) const { __builtin_prefetch(&sums_[texel * 2], 1); }
+    float weight(size_t texel) const { return float(high(sums_[texel * 2])) / unit_; }
     Rgb difference(size_t texel) const {
-        return Rgb(float(sums_[texel * 4 + 1]), float(sums_[texel * 4 + 2]), float(sums_[texel * 4 + 3])) / unit_;
+        const uint64_t one = sums_[texel * 2], two = sums_[texel * 2 + 1];
+        return Rgb(float(low(one)), float(high(two)), float(low(two))) / unit_;
     }
 
 private:
     float unit_;
-    std::vector<int32_t> sums_;
-    void put(size_t at, float value) {
-        std::atomic_ref<int32_t>(sums_[at]).fetch_add(int32_t(std::lround(value * unit_)), std::memory_order_relaxed);
+    std::vector<uint64_t> sums_;
+    /// The nearest integer, of a value below 2^22.
+    static int64_t rounded(float value) {
+        constexpr float shift = 12582912;  // 1.5 x 2^23: there a unit is the last digit
+        return std::bit_cast<int32_t>(value + shift) - std::bit_cast<int32_t>(shift);
+    }
+    static int32_t low(uint64_t sums) { return int32_t(uint32_t(sums)); }
+    static int32_t high(uint64_t sums) { return int32_t(uint32_t((sums - uint64_t(int64_t(low(sums)))) >> 32)); }
+    void put(size_t at, float higher, float lower) {
+        const uint64_t both = (uint64_t(rounded(higher * unit_)) << 32) + uint64_t(rounded(lower * unit_));
+        std::atomic_ref<uint64_t>(sums_[at]).fetch_add(both, std::memory_order_relaxed);
     }
 };
 
@@ -73,7 +85,7 @@ struct DetailEvidence {
 class TextureSolver {
 public:
     /// `texture`: with texels that come from the vertices. `inside`: texels whose centres lie on a triangle.
-    /// `geometry`: with triangles where positions are not kept, else these are traced anew in each pass. Advances
+    /// `geometry`: with triangles, where positions are not kept, or these are traced anew in each pass. Advances
     /// `progress` by one a view where positions are kept.
     TextureSolver(const Capture& capture, const Scene& scene, const Estimate& estimate, AlbedoTexture& texture,
                   const std::vector<uint8_t>& inside, const std::vector<PhotographGeometry>& geometry,
@@ -109,9 +121,26 @@ private:
     float samplesPerTexel_ = 1, dark_ = 0;
 
     void followInside(const TexelSums& sums);
-    Rgb byTexture(const TracedPixel& p) const;
-    bool hits(uint32_t view, int x, int y, Hit* found) const;
-    bool trace(uint32_t view, int x, int y, TracedPixel& p) const;
+    void blend(const TracedPixel& p, std::array<TexelBlend, 4>& blends) const;
+    Rgb byTexture(const TracedPixel& p, const std::array<TexelBlend, 4>& blends) const;
+    /// What the corners of a triangle say in one view; kept from pixel to pixel.
+    struct LitTriangle {
+        uint32_t triangle = Hit::none;
+        float trust = 0;  ///< in its light; 0: no texels, or no light that is known
+        std::array<Rgb, 3> white{}, albedo{}, coating{};
+        std::array<Vec3, 3> corners{};
+    };
+    /// A row of a view, from left to right.
+    struct TracedRow {
+        TracedRow(const PhotographGeometry& geometry, int row);
+        int y;
+        std::optional<TriangleRuns::Row> known;
+        LitTriangle seen{};
+    };
+    int firstOf(int y, int turn) const;
+    void look(uint32_t view, uint32_t triangle, LitTriangle& seen) const;
+    bool hits(uint32_t view, int x, TracedRow& row, Hit* found) const;
+    bool trace(uint32_t view, int x, TracedRow& row, TracedPixel& p) const;
 };
 
 }  // namespace relamp

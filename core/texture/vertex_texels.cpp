@@ -1,5 +1,7 @@
 #include "texture/vertex_texels.h"
 
+#include "texture/texels_inside.h"
+
 namespace relamp {
 
 std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& values, const AlbedoTexture& texture,
@@ -7,13 +9,13 @@ std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& valu
     const size_t count = size_t(texture.width) * size_t(texture.height);
     std::vector<Rgb> texels(count, Rgb(0));
     std::vector<uint8_t> covered(count, 0);
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (!texture.has(t)) continue;
+    trianglesByRows(texture, [&](uint32_t t, const TexelRows& rows) {
         const auto& p = texture.corners[t];
         const Vec2 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
         const Vec2 a = p[1] - p[0], b = p[2] - p[0];
         const float area = a.x * b.y - a.y * b.x;
-        for (int y = std::max(0, int(low.y - 1)); y <= std::min(texture.height - 1, int(high.y + 1)); ++y)
+        const Triangle& v = mesh.triangles[t];
+        for (int y = std::max(rows.begin, int(low.y - 1)); y <= std::min(rows.end - 1, int(high.y + 1)); ++y)
             for (int x = std::max(0, int(low.x - 1)); x <= std::min(texture.width - 1, int(high.x + 1)); ++x) {
                 const Vec2 c = Vec2(float(x) + 0.5f, float(y) + 0.5f) - p[0];
                 float b1 = 0, b2 = 0;
@@ -27,11 +29,10 @@ std::vector<Rgb> texelsOfVertices(const Mesh& mesh, const std::vector<Rgb>& valu
                 if (covered[at] == 2 || (!on && covered[at])) continue;
                 b1 = std::clamp(b1, 0.0f, 1.0f);
                 b2 = std::clamp(b2, 0.0f, 1 - b1);
-                const Triangle& v = mesh.triangles[t];
                 texels[at] = (1 - b1 - b2) * values[v[0]] + b1 * values[v[1]] + b2 * values[v[2]];
                 covered[at] = on ? 2 : 1;
             }
-    }
+    });
     if (inside) {
         inside->resize(count);
         for (size_t i = 0; i < count; ++i) (*inside)[i] = covered[i] == 2;

@@ -4,6 +4,8 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "support/shapes.h"
+#include "texture/atlas.h"
 
 namespace relamp {
 namespace {
@@ -58,6 +60,39 @@ TEST(CoarserTexels, AChartShowsNothingOfTheGapAndHardlyAnyOfAnother) {
             EXPECT_LT(glm::length(seen - Rgb(0.6f, 0, 0)), side > 8 ? 0.02f : 1e-4f)
                 << place.x << " " << place.y << " " << side;
         }
+    }
+}
+
+/// A ball in many charts, printed as fine as its texels.
+TEST(CoarserTexels, KeepTheMeanOfTheSurface) {
+    const Mesh mesh = test::ball({0, 0, 0}, 1, 24, 48);
+    Progress progress;
+    const Atlas atlas = layOut(mesh, std::vector<float>(mesh.triangles.size(), 120), {}, progress);
+    ASSERT_GT(atlas.charts, 4u);
+    AlbedoTexture texture{atlas.width, atlas.height, atlas.corners, {}, {}, {}, {}};
+    texture.texels.assign(size_t(atlas.width) * size_t(atlas.height), Rgb(0));
+    // Each chart has a level of its own, so that what comes in from another chart would be noticed.
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const float level = 0.2f + 0.6f * float(mixBits(atlas.chartOf[t]) % 1024) / 1024;
+        const std::array<Vec2, 3>& c = texture.corners[t];
+        const Vec2 low = glm::min(c[0], glm::min(c[1], c[2])) - 2.0f,
+                   high = glm::max(c[0], glm::max(c[1], c[2])) + 2.0f;
+        for (int y = int(low.y); y < int(high.y); ++y)
+            for (int x = int(low.x); x < int(high.x); ++x)
+                texture.texels[size_t(y) * size_t(atlas.width) + size_t(x)] =
+                    level * Rgb((x + y) % 2 ? 1.0f : 0.2f, (x / 2) % 2 ? 0.9f : 0.3f, 0.5f);
+    }
+    addCoarser(texture);
+    for (const float side : {1.5f, 2.0f, 3.0f, 6.0f, 12.0f, 24.0f, 100.0f}) {
+        Rgb fine(0), coarse(0);
+        for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+            for (uint32_t i = 0; i < 100; ++i) {
+                const Vec2 r = r2Point(i, Vec2(0)), b = r.x + r.y <= 1 ? r : Vec2(1 - r.x, 1 - r.y);
+                const Vec2 place = texture.place(t, b);
+                fine += mesh.triangleArea(t) * texture.at(place);
+                coarse += mesh.triangleArea(t) * texture.over(t, place, {side, 0}, {0, side});
+            }
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(coarse[c] / fine[c], 1, 0.01f) << side;
     }
 }
 
