@@ -244,13 +244,15 @@ double EmitterBody::distance(const DVec3& point) const {
     return most < 0 ? most : glm::length(glm::max(past, DVec3(0)));
 }
 
-void EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) const {
+std::vector<uint32_t> EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) const {
+    std::vector<uint32_t> sides;
     const double longest = 2 * std::max({half.x, half.y, half.z});
     const double thin = 2 * std::min({half.x, half.y, half.z});
     const double edge = std::clamp(thin, longest / 24, longest / 8);
     // A sheet of points(s, t), outwards on its front.
     const auto sheet = [&](int columns, int rows, const auto& point) {
         const auto first = uint32_t(positions.size());
+        sides.push_back(first);
         for (int i = 0; i <= columns; ++i)
             for (int j = 0; j <= rows; ++j)
                 positions.push_back(Vec3(centre + axes * point(double(i) / columns, double(j) / rows)));
@@ -273,7 +275,7 @@ void EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& t
         sheet(around, cells(2 * half.x), [&](double s, double t) { return rim(half.x * (2 * t - 1), s, radius); });
         sheet(around, 1, [&](double s, double t) { return rim(half.x, s, radius * (1e-3 + (1 - 1e-3) * (1 - t))); });
         sheet(around, 1, [&](double s, double t) { return rim(-half.x, s, radius * (1e-3 + (1 - 1e-3) * t)); });
-        return;
+        return sides;
     }
     for (int k = 0; k < 3; ++k)
         for (const double side : {1.0, -1.0}) {
@@ -286,6 +288,7 @@ void EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& t
                 return at;
             });
         }
+    return sides;
 }
 
 std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, const RadianceSamples& samples,

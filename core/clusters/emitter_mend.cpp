@@ -145,6 +145,7 @@ std::optional<EmitterReplacement> replacementOf(const Scene& scene, const Captur
         groundUnder(scene, *body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);
     }
     r.removed.assign(removed.begin(), removed.end());
+    r.light = e;
     r.was.centroid = Vec3(body->centre);
     r.was.radius = float(glm::length(body->half));
     r.was.overlap = mesh;
@@ -231,6 +232,41 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     }
     mend.removed.assign(removed.begin(), removed.end());
     return mend;
+}
+
+std::vector<uint8_t> darkSides(const EmitterReplacement& replacement, const Scene& scene, const Capture& capture,
+                               const RadianceSamples& samples) {
+    constexpr size_t leastPixels = 20;
+    std::vector<Vec3> positions;
+    std::vector<Triangle> triangles;
+    const std::vector<uint32_t> starts = replacement.body.surface(positions, triangles);
+    std::vector<size_t> shown(starts.size(), 0), all = shown;
+    const auto sideAt = [&](uint32_t triangle) {
+        if (triangle == Hit::none) return -1;
+        const uint32_t v = scene.mesh.triangles[triangle][0] - replacement.first;  // wraps where it is before the body
+        if (v >= positions.size()) return -1;
+        return int(std::upper_bound(starts.begin(), starts.end(), v) - starts.begin()) - 1;
+    };
+    for (size_t i = 0; i < capture.views.size() && i < samples.geometry.size(); ++i) {
+        const std::vector<uint8_t> shows =
+            emittingPixels(capture.views[i], replacement.light.radiance, pixelTolerance(replacement.light));
+        const ViewGeometry& g = samples.geometry[i];
+        // Pixels at a side's edge show what is beside it as well.
+        for (int y = 1; y + 1 < g.height; ++y)
+            for (int x = 1; x + 1 < g.width; ++x) {
+                const size_t p = size_t(y) * size_t(g.width) + size_t(x);
+                const int side = sideAt(g.triangle[p]);
+                if (side < 0 || sideAt(g.triangle[p - 1]) != side || sideAt(g.triangle[p + 1]) != side ||
+                    sideAt(g.triangle[p - size_t(g.width)]) != side || sideAt(g.triangle[p + size_t(g.width)]) != side)
+                    continue;
+                shown[size_t(side)] += shows[p];
+                ++all[size_t(side)];
+            }
+    }
+    std::vector<uint8_t> dark(starts.size(), 0);
+    for (size_t side = 0; side < dark.size(); ++side)
+        dark[side] = all[side] >= leastPixels && 2 * shown[side] < all[side];
+    return dark;
 }
 
 float overlapAfter(const EmitterMove& move, const Scene& scene, const Capture& capture, const RadianceSamples& samples,

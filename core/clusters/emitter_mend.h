@@ -26,7 +26,10 @@ struct EmitterReplacement {
     std::vector<MeshMend::MovedVertex> setBack;  ///< a ridge's vertices, on the surface behind it
     std::vector<Vec3> ground;                    ///< metres: what the emitter hid of the surface that it stands on
     std::vector<Triangle> groundTriangles;       ///< of `ground`
+    uint32_t first = 0;                          ///< vertex of the scene, where the body is in it
     EmitterMove was;                             ///< without vertices: what it is judged by
+    EmitterCluster light;                        ///< what photographs show of it
+    std::vector<uint8_t> dark = {};              ///< per side of the body 1 where they show that it does not shine
 };
 
 struct EmitterMend {
@@ -49,6 +52,11 @@ struct EmitterMend {
 /// Exact meshes stay as they are. O(pixels x emitters).
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                          const EmitterClusters& clusters);
+
+/// Per side of the body, which is in the scene, 1 where most pixels that show it do not show its
+/// light: the back of a lamp. O(pixels).
+std::vector<uint8_t> darkSides(const EmitterReplacement& replacement, const Scene& scene, const Capture& capture,
+                               const RadianceSamples& samples);
 
 /// How well the mesh covers the emitter that was moved, where it is now: overlap of its pixels and the mesh; 0 where
 /// there is none any more.

@@ -70,7 +70,7 @@ public:
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;
-            for (const EmitterReplacement& r : found.bodies) addBody(r);
+            for (EmitterReplacement& r : found.bodies) addBody(r);
             for (const EmitterMove& m : found.moves) {
                 mend_.moved.insert(mend_.moved.end(), m.vertices.begin(), m.vertices.end());
                 mend_.shining.insert(mend_.shining.end(), m.shining.begin(), m.shining.end());
@@ -79,6 +79,12 @@ public:
             apply(found.balls);
         };
         shape();
+        bool anyDark = false;
+        for (EmitterReplacement& r : found.bodies) {
+            r.dark = darkSides(r, *prepared_.scene, capture_, *prepared_.samples);
+            anyDark |= std::count(r.dark.begin(), r.dark.end(), 1) > 0;
+        }
+        if (anyDark) shape();
         const auto worse = [&](const EmitterMove& m) {
             return overlapAfter(m, *prepared_.scene, capture_, *prepared_.samples, prepared_.clusters) < m.overlap;
         };
@@ -189,12 +195,15 @@ private:
         std::sort(list.begin(), list.end());
         list.erase(std::unique(list.begin(), list.end()), list.end());
     }
-    /// A straight body of light, all of whose sides shine.
-    void addBody(const EmitterReplacement& r) {
+    /// A straight body of light: all of its sides shine but those that photographs show dark.
+    void addBody(EmitterReplacement& r) {
         SurfacePatch surface;
-        r.body.surface(surface.positions, surface.triangles);
-        const auto first = uint32_t(file_.vertexCount() + mend_.addedPositions.size());
-        for (uint32_t v = 0; v < surface.positions.size(); ++v) mend_.shining.push_back(first + v);
+        std::vector<uint32_t> ends = r.body.surface(surface.positions, surface.triangles);
+        ends.push_back(uint32_t(surface.positions.size()));
+        r.first = uint32_t(file_.vertexCount() + mend_.addedPositions.size());
+        for (size_t side = 0; side + 1 < ends.size(); ++side)
+            for (uint32_t v = ends[side]; v < ends[side + 1] && (r.dark.empty() || !r.dark[side]); ++v)
+                mend_.shining.push_back(r.first + v);
         addPatch(surface);
         addPatch({r.ground, r.groundTriangles, {}, 0});
         mend_.moved.insert(mend_.moved.end(), r.setBack.begin(), r.setBack.end());

@@ -281,6 +281,30 @@ TEST(EmitterMend, APanelInTwoShredsIsOneBox) {
     EXPECT_EQ(mend.bodies[0].removed.size(), shreds.triangles.size());
 }
 
+TEST(EmitterMend, ASideThatPhotographsShowDarkDoesNotShine) {
+    EmitterReplacement panel;
+    panel.body.centre = {0, 0, 0.4};
+    panel.body.half = {0.2, 0.02, 0.15};
+    panel.light.radiance = light;
+    const World empty({}, {});
+    panel.first = uint32_t(empty.capture.mesh.vertexCount());
+    const Scene scene = World::sceneWith(surfaceOf(panel.body), {});
+    Capture capture;
+    for (const double side : {1.5, -1.5}) {
+        const Camera camera = test::cameraAt({0.3, side, 0.9}, {0, 0, 0.4}, 320, 240, 320);
+        capture.views.push_back(test::photographOf(scene, camera, [&](const Hit& hit) {
+            const bool back = hit && scene.mesh.faceNormal(hit.triangle).y < -0.5f;
+            return hit && !back && scene.mesh.triangles[hit.triangle][0] >= panel.first ? light : Rgb(0.2f);
+        }));
+    }
+    Progress progress;
+    const RadianceSamples samples = gatherRadiance(capture, scene, {}, progress);
+    const std::vector<uint8_t> dark = darkSides(panel, scene, capture, samples);
+    ASSERT_EQ(dark.size(), 6u);
+    EXPECT_EQ(std::count(dark.begin(), dark.end(), 1), 1);
+    EXPECT_EQ(dark[3], 1);  // towards -Y
+}
+
 TEST(EmitterMend, ARidgeGoesBackToTheSurfaceBehindTheTube) {
     const EmitterBody truth = tubeOf({0, 0.1, 0.05}, {1, 0, 0}, 0.6, 0.03);
     // The floor rises to a ridge, too narrow, that shines.
