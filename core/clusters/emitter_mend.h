@@ -54,7 +54,7 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
                          const EmitterClusters& clusters);
 
 /// Per side of the body, which is in the scene, 1 where most pixels that show it do not show its
-/// light: the back of a lamp. O(pixels).
+/// light, as on the back of a light with a housing. O(pixels).
 std::vector<uint8_t> darkSides(const EmitterReplacement& replacement, const Scene& scene, const Capture& capture,
                                const RadianceSamples& samples);
 
