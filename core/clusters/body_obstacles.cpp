@@ -47,7 +47,9 @@ public:
             }
     }
 
-    void collect(const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& removed) const {
+    /// Adds to `within` the triangles in the body, marks in `through` those before it that show it all the same.
+    void collect(const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& within,
+                 std::vector<uint8_t>& through) const {
         std::vector<uint8_t> open(scene_.mesh.vertexCount(), 0), closed = open;
         for (uint32_t t = 0; t < in_.size(); ++t)
             for (const uint32_t v : scene_.mesh.triangles[t]) {
@@ -56,14 +58,14 @@ public:
             }
         for (uint32_t t = 0; t < in_.size(); ++t) {
             const Triangle& corners = scene_.mesh.triangles[t];
-            const bool within = std::all_of(corners.begin(), corners.end(),
+            const bool inBody = std::all_of(corners.begin(), corners.end(),
                                             [&](uint32_t v) { return body_.holds(DVec3(scene_.mesh.positions[v])); });
             // Triangles between pixels go with what is around them.
             const bool between = in_[t] + out_[t] == 0 && std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
                                      return open[v] && !closed[v];
                                  });
-            const bool seenThrough = between || in_[t] > out_[t];
-            if (within || (seenThrough && emitterOfTriangle[t] < 0)) removed.insert(t);
+            if (inBody) within.insert(t);
+            else through[t] = (between || in_[t] > out_[t]) && emitterOfTriangle[t] < 0;
         }
     }
 
@@ -113,9 +115,11 @@ std::optional<Rgb> shownThere(const Scene& scene, const RadianceSamples& samples
 }
 
 /// Of the triangles `about`, 1 for those that no pixel hits, and for those through which most pixels on and around them
-/// show what lies behind.
+/// show what lies behind; pixels of `outlines` are not asked.
 std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                              const std::vector<uint8_t>& about) {
+                              const std::vector<uint8_t>& about, const std::vector<EmitterOutline>& outlines) {
+    std::vector<const EmitterOutline*> outlineOf(samples.geometry.size(), nullptr);
+    for (const EmitterOutline& o : outlines) outlineOf[o.view] = &o;
     const std::vector<VertexRadiance> seen = vertexRadiance(scene, samples);
     std::vector<uint32_t> through(scene.mesh.vertexCount(), 0), against = through;
     std::vector<uint8_t> hits(about.size(), 0);
@@ -123,7 +127,7 @@ std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const 
         const ViewGeometry& g = samples.geometry[i];
         for (size_t p = 0; p < g.triangle.size(); ++p) {
             const uint32_t t = g.triangle[p];
-            if (t == Hit::none) continue;
+            if (t == Hit::none || (outlineOf[i] && outlineOf[i]->shows[p])) continue;
             hits[t] = 1;
             if (!about[t] || i >= capture.views.size()) continue;
             const View& view = capture.views[i];
@@ -214,13 +218,20 @@ bool LightBody::holds(const DVec3& point) const {
     return glm::length(point - ball_->centre) < outerPart * ball_->radius;
 }
 
-void collectObstacles(const Scene& scene, const Capture& capture, const std::vector<EmitterOutline>& outlines,
-                      const LightBody& body, const std::vector<uint32_t>& own,
-                      const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& removed) {
+void collectObstacles(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                      const std::vector<EmitterOutline>& outlines, const LightBody& body,
+                      const std::vector<uint32_t>& own, const std::vector<int>& emitterOfTriangle,
+                      std::set<uint32_t>& removed) {
     ThroughVotes votes(scene, body);
     for (const EmitterOutline& o : outlines) votes.vote(capture.views[o.view], o);
     removed.insert(own.begin(), own.end());
-    votes.collect(emitterOfTriangle, removed);
+    std::vector<uint8_t> through(scene.mesh.triangles.size(), 0);
+    votes.collect(emitterOfTriangle, removed, through);
+    for (const uint32_t t : removed) through[t] = 0;
+    // What stands a little into its outline, as rounded as a reconstruction is, and is a surface elsewhere, stays.
+    if (body.straight()) through = notThere(scene, capture, samples, through, outlines);
+    for (uint32_t t = 0; t < through.size(); ++t)
+        if (through[t]) removed.insert(t);
 }
 
 std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const EmitterCluster& emitter) {
@@ -270,7 +281,7 @@ std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, c
             return body.distance(DVec3(scene.mesh.positions[v])) < reach;
         });
     }
-    const std::vector<uint8_t> free = notThere(scene, capture, samples, about);
+    const std::vector<uint8_t> free = notThere(scene, capture, samples, about, {});
     std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
     std::vector<uint8_t> cut(scene.mesh.vertexCount(), 0), kept = cut, left = free;
     for (uint32_t t = 0; t < count; ++t)

@@ -18,6 +18,7 @@ public:
     double middle(const DVec3& eye, const DVec3& direction) const;
     /// Whether the point lies in it, a little about it included.
     bool holds(const DVec3& point) const;
+    bool straight() const { return body_ != nullptr; }
 
 private:
     const EmitterSphere* ball_ = nullptr;
@@ -27,10 +28,12 @@ private:
 
 /// Adds to `removed` the triangles that the body takes the place of: its emitter's `own`, those within it, and those
 /// before it where photographs see it all the same. Those of other emitters stay: what they show is their own light.
+/// Before a straight body, which is large, those stay as well that are a surface where it is not behind them.
 /// O(pixels of the body x layers).
-void collectObstacles(const Scene& scene, const Capture& capture, const std::vector<EmitterOutline>& outlines,
-                      const LightBody& body, const std::vector<uint32_t>& own,
-                      const std::vector<int>& emitterOfTriangle, std::set<uint32_t>& removed);
+void collectObstacles(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                      const std::vector<EmitterOutline>& outlines, const LightBody& body,
+                      const std::vector<uint32_t>& own, const std::vector<int>& emitterOfTriangle,
+                      std::set<uint32_t>& removed);
 
 /// Where an emitter's surface is a ridge of the surface about it, as a reconstruction makes of a strip on a wall: its
 /// vertices on that surface, behind the light. Empty where it is a finger or a bag. O(vertices about it).

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "base/log.h"
 #include "base/random.h"
 #include "base/statistics.h"
+#include "clusters/follow_outlines.h"
 #include "clusters/outline_pixels.h"
 
 namespace relamp {
@@ -17,9 +19,10 @@ constexpr double widestCosine = 0.985;  ///< 10 degrees between two views
 constexpr size_t coarsePixels = 3000, finePixels = 30000;
 constexpr double coarseStep = 0.5, finestStep = 0.1;  ///< pixels where the searches end
 constexpr size_t hullPoints = 30000, leastHullPoints = 40;
-constexpr double roundFirst = 0.01;   ///< overlap by which a box must be better than a tube
-constexpr double hiddenPrice = 0.05;  ///< of a hidden pixel: what nothing shows is not there without need
-constexpr double leastHalf = 0.25;    ///< pixels
+constexpr double roundFirst = 0.01;     ///< overlap by which a box must be better than a tube
+constexpr double worseOverlap = 0.005;  ///< by which the body that follows outlines may be worse
+constexpr double hiddenPrice = 0.05;    ///< of a hidden pixel: what nothing shows is not there without need
+constexpr double leastHalf = 0.25;      ///< pixels
 
 /// Slab test along one axis; narrows `chord`.
 void clipSlab(double from, double along, double half, glm::dvec2& chord) {
@@ -158,8 +161,8 @@ double climb(const Silhouettes& outlines, double from, double to, double least, 
 }
 
 /// Points that all outlines allow: within them, or behind what hides them.
-std::vector<DVec3> hullOf(const Capture& capture, const RadianceSamples& samples,
-                          const std::vector<EmitterOutline>& outlines, const DVec3& centre, double radius) {
+std::vector<DVec3> visualHull(const Capture& capture, const RadianceSamples& samples,
+                              const std::vector<EmitterOutline>& outlines, const DVec3& centre, double radius) {
     std::vector<DVec3> inside;
     const size_t mayMiss = outlines.size() / 6;
     for (uint32_t n = 0; n < hullPoints; ++n) {
@@ -321,7 +324,7 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
         return Silhouettes(pixelsAbout(capture, samples, outlines, cluster.triangles, reach, pixels / most + 1), slack);
     };
     std::vector<EmitterBody> starts = startsFrom(fromMesh, least);
-    const std::vector<DVec3> hull = hullOf(capture, samples, outlines, centre, reachable);
+    const std::vector<DVec3> hull = visualHull(capture, samples, outlines, centre, reachable);
     if (hull.size() >= leastHullPoints)
         for (const EmitterBody& b : startsFrom(hull, least)) starts.push_back(b);
     const Silhouettes coarse = silhouettes(coarsePixels);
@@ -337,8 +340,17 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
         }
     }
     const Silhouettes fine = silhouettes(finePixels);
-    for (size_t kind : {0, 1})
-        if (best[kind]) scores[kind] = climb(fine, unit, finestStep * unit, least, *best[kind]);
+    for (size_t kind : {0, 1}) {
+        if (!best[kind]) continue;
+        scores[kind] = climb(fine, unit, finestStep * unit, least, *best[kind]);
+        const EmitterBody followed = followOutlines(capture, outlines, *best[kind], unit, least);
+        if (const double score = fine.score(followed); score > scores[kind] - worseOverlap) {
+            scores[kind] = score;
+            best[kind] = followed;
+        }
+        logInfo("{} of {:.1f} x {:.1f} x {:.1f} mm: score {:.5f}", kind ? "tube" : "box", 2000 * best[kind]->half.x,
+                2000 * best[kind]->half.y, 2000 * best[kind]->half.z, scores[kind]);
+    }
     const size_t chosen = best[1] && !(best[0] && scores[0] > scores[1] + roundFirst) ? 1 : 0;
     if (!best[chosen]) return {};
     EmitterBody body = *best[chosen];

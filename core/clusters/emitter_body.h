@@ -25,9 +25,10 @@ struct EmitterBody {
     std::vector<uint32_t> surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) const;
 };
 
-/// The tube or box whose silhouettes overlap the outlines best, a pattern search from coarse to fine; a box only where
-/// it is clearly better than a tube. None with fewer than three views, or all within 10 degrees. `cluster`: what the
-/// mesh has of the emitter, where the search begins. O(pixels about the outlines x 2000), at most 30 000 of them.
+/// The tube or box whose silhouettes fit the outlines best: a pattern search on their overlap from coarse to fine, then
+/// least squares (followOutlines); a box only where it is clearly better than a tube. None with fewer than three views,
+/// or all within 10 degrees. `cluster`: what the mesh has of the emitter, where the search begins. O(pixels about the
+/// outlines x 2000), at most 30 000 of them.
 std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                    const EmitterCluster& cluster, const std::vector<EmitterOutline>& outlines);
 

@@ -137,8 +137,8 @@ std::optional<EmitterReplacement> replacementOf(const Scene& scene, const Captur
     std::set<uint32_t> removed;
     r.setBack = ridgeSetBack(scene, e);
     if (r.setBack.empty()) {
-        collectObstacles(scene, capture, outlines, LightBody(*body, bodyMargin * double(scene.diagonal)), e.triangles,
-                         clusters.emitterOfTriangle, removed);
+        collectObstacles(scene, capture, samples, outlines, LightBody(*body, bodyMargin * double(scene.diagonal)),
+                         e.triangles, clusters.emitterOfTriangle, removed);
         const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, *body, removed);
         logInfo("{} triangles in the body's place go, and {} scraps that hang on them", removed.size(), scraps.size());
         removed.insert(scraps.begin(), scraps.end());
@@ -164,7 +164,8 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     std::vector<Vec3> normals;
     const auto replace = [&](const EmitterCluster& e, const EmitterSphere& ball,
                              const std::vector<EmitterOutline>& outlines) {
-        collectObstacles(scene, capture, outlines, LightBody(ball), e.triangles, clusters.emitterOfTriangle, removed);
+        collectObstacles(scene, capture, samples, outlines, LightBody(ball), e.triangles, clusters.emitterOfTriangle,
+                         removed);
         ProxyLight proxy;
         proxy.centre = ball.centre;
         proxy.radius = float(ball.radius);
