@@ -20,7 +20,7 @@ using json = Json;
 
 constexpr size_t maxFileBytes = size_t(64) << 20;
 constexpr size_t maxFrames = 100'000;
-constexpr int maxSide = 1 << 17;
+constexpr int largestSide = 1 << 17;
 
 /// The keys of one frame over the global ones, read with checks.
 class Keys {
@@ -54,8 +54,8 @@ public:
     std::optional<int> side(const char* key) const {
         const auto x = positive(key);
         if (!x) return std::nullopt;
-        if (*x != std::floor(*x) || *x > maxSide)
-            fail(key, fmt::format("is {}, expected a whole number from 1 to {}", *x, maxSide));
+        if (*x != std::floor(*x) || *x > largestSide)
+            fail(key, fmt::format("is {}, expected a whole number from 1 to {}", *x, largestSide));
         return int(*x);
     }
     std::optional<double> angle(const char* key) const {
@@ -130,8 +130,8 @@ void readIntrinsics(const Keys& keys, Camera& camera, const std::function<std::p
     } else {
         const auto [width, height] = size();
         for (const auto& [key, side] : {std::pair{"w", w.value_or(width)}, std::pair{"h", h.value_or(height)}})
-            if (side < 1 || side > maxSide)
-                keys.fail(key, fmt::format("is {}, expected a whole number from 1 to {}", side, maxSide));
+            if (side < 1 || side > largestSide)
+                keys.fail(key, fmt::format("is {}, expected a whole number from 1 to {}", side, largestSide));
         camera.width = w.value_or(width), camera.height = h.value_or(height);
     }
     const auto fromAngle = [](const std::optional<double>& angle, int pixels) -> std::optional<double> {
