@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "base/log.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "clusters/follow_outlines.h"
@@ -348,8 +347,6 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
             scores[kind] = score;
             best[kind] = followed;
         }
-        logInfo("{} of {:.1f} x {:.1f} x {:.1f} mm: score {:.5f}", kind ? "tube" : "box", 2000 * best[kind]->half.x,
-                2000 * best[kind]->half.y, 2000 * best[kind]->half.z, scores[kind]);
     }
     const size_t chosen = best[1] && !(best[0] && scores[0] > scores[1] + roundFirst) ? 1 : 0;
     if (!best[chosen]) return {};

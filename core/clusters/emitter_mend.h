@@ -53,8 +53,8 @@ struct EmitterMend {
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                          const EmitterClusters& clusters);
 
-/// Per side of the body, which is in the scene, 1 where most pixels that show it do not show its
-/// light, as on the back of a light with a housing. O(pixels).
+/// Per side of the body, which is in the scene, 1 where most pixels that show it do not show its light, as on the back
+/// of a light with a housing. Pixels at a side's edge are not asked. O(pixels).
 std::vector<uint8_t> darkSides(const EmitterReplacement& replacement, const Scene& scene, const Capture& capture,
                                const RadianceSamples& samples);
 

@@ -61,6 +61,10 @@ public:
         EmitterMend found = mendEmitters(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters);
         if (inexact)
             for (EmitterMove& m : liftedFronts(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters)) {
+                const bool replaced = std::any_of(found.bodies.begin(), found.bodies.end(), [&](const auto& r) {
+                    return r.body.distance(DVec3(m.centroid)) < double(r.was.radius) / 4;
+                });
+                if (replaced) continue;
                 std::erase_if(found.moves, [&](const EmitterMove& other) { return other.centroid == m.centroid; });
                 found.moves.push_back(std::move(m));
             }
