@@ -6,6 +6,7 @@
 
 #include "base/statistics.h"
 #include "clusters/patches.h"
+#include "scene/vertex_rings.h"
 
 namespace relamp {
 namespace {
@@ -74,22 +75,6 @@ private:
     const LightBody& body_;
     std::vector<uint32_t> in_, out_;
 };
-
-/// Rings of neighbours about vertices, -1 beyond the last; `reached` gains them.
-std::vector<int> ringsAbout(const Scene& scene, int last, std::vector<uint32_t>& reached) {
-    std::vector<int> rings(scene.mesh.vertexCount(), -1);
-    for (const uint32_t v : reached) rings[v] = 0;
-    for (size_t i = 0; i < reached.size(); ++i) {
-        const uint32_t v = reached[i];
-        if (rings[v] == last) continue;
-        for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k)
-            if (rings[scene.graph.to[k]] < 0) {
-                rings[scene.graph.to[k]] = rings[v] + 1;
-                reached.push_back(scene.graph.to[k]);
-            }
-    }
-    return rings;
-}
 
 /// Radiance that other photographs show at a hit, or of the background along the ray; none where none shows it.
 std::optional<Rgb> shownThere(const Scene& scene, const RadianceSamples& samples,
@@ -183,7 +168,7 @@ std::vector<uint32_t> islandsAmong(const Scene& scene, const std::vector<uint8_t
             std::vector<uint32_t> piece, front{start};
             float area = 0;
             bool island = true;
-            while (!front.empty() && island) {
+            while (!front.empty()) {  // to its end: what is left of a surface would look like an island
                 const uint32_t v = front.back();
                 front.pop_back();
                 for (const uint32_t t : at[v]) {
@@ -236,7 +221,7 @@ void collectObstacles(const Scene& scene, const Capture& capture, const Radiance
 
 std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const EmitterCluster& emitter) {
     std::vector<uint32_t> reached = emitter.vertices;
-    const std::vector<int> rings = ringsAbout(scene, ridgeRingsTo, reached);
+    const std::vector<int> rings = ringsAbout(scene.graph, ridgeRingsTo, reached);
     Vec3 normal(0);
     std::vector<uint32_t> about;
     for (const uint32_t v : reached)

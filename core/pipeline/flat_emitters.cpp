@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/statistics.h"
 #include "clusters/emitter_sphere.h"
+#include "scene/vertex_rings.h"
 #include "solve/registration/flat_outline.h"
 
 namespace relamp {
@@ -49,24 +50,15 @@ std::optional<Front> frontOf(const Scene& scene, const EmitterCluster& e) {
     for (float& d : depths) d = std::abs(d - front.depth);
     if (medianOf(depths) > flatness * side) return {};
     // The surface behind, a few rings of neighbours outside.
-    std::vector<int> rings(scene.mesh.vertexCount(), -1);
     std::vector<uint32_t> reached = e.vertices;
-    for (const uint32_t v : reached) rings[v] = 0;
+    const std::vector<int> rings = ringsAbout(scene.graph, ringsTo, reached);
     std::vector<float> behind;
     size_t around = 0;
-    for (size_t i = 0; i < reached.size(); ++i) {
-        const uint32_t v = reached[i];
-        if (rings[v] >= ringsFrom) {
-            ++around;
-            if (glm::dot(scene.mesh.normals[v], front.normal) > likeNormal)
-                behind.push_back(glm::dot(scene.mesh.positions[v] - e.centroid, front.normal));
-        }
-        if (rings[v] == ringsTo) continue;
-        for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k)
-            if (rings[scene.graph.to[k]] < 0) {
-                rings[scene.graph.to[k]] = rings[v] + 1;
-                reached.push_back(scene.graph.to[k]);
-            }
+    for (const uint32_t v : reached) {
+        if (rings[v] < ringsFrom) continue;
+        ++around;
+        if (glm::dot(scene.mesh.normals[v], front.normal) > likeNormal)
+            behind.push_back(glm::dot(scene.mesh.positions[v] - e.centroid, front.normal));
     }
     if (behind.empty() || float(behind.size()) < mostlyFlat * float(around)) return {};
     front.base = medianOf(behind);

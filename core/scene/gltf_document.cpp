@@ -193,21 +193,17 @@ fs::path GltfDocument::fileOf(const std::string& uri, const std::string& where) 
     return folder_ / name;
 }
 
-std::vector<fs::path> GltfDocument::bufferFiles() const {
+std::vector<fs::path> GltfDocument::filesBeside(const List& list) const {
     std::vector<fs::path> files;
-    for (const JsonFields& buffer : buffers_)
-        if (const auto uri = buffer.get<std::string>("uri", ""); !uri.empty() && !isData(uri))
-            files.push_back(fileOf(uri, buffer.name("uri")));
+    for (const JsonFields& entry : list)
+        if (const auto uri = entry.get<std::string>("uri", ""); !uri.empty() && !isData(uri))
+            files.push_back(fileOf(uri, entry.name("uri")));
     return files;
 }
 
-std::vector<fs::path> GltfDocument::imageFiles() const {
-    std::vector<fs::path> files;
-    for (const JsonFields& image : images_)
-        if (const auto uri = image.get<std::string>("uri", ""); !uri.empty() && !isData(uri))
-            files.push_back(fileOf(uri, image.name("uri")));
-    return files;
-}
+std::vector<fs::path> GltfDocument::bufferFiles() const { return filesBeside(buffers_); }
+
+std::vector<fs::path> GltfDocument::imageFiles() const { return filesBeside(images_); }
 
 std::optional<MeshImage> GltfDocument::colourImage(size_t material) const {
     const JsonFields texture =

@@ -65,6 +65,7 @@ private:
     mutable size_t bytes_ = 0;
 
     static const JsonFields& at(const List& list, const char* name, size_t index, const std::string& from);
+    std::vector<std::filesystem::path> filesBeside(const List& list) const;
     std::filesystem::path fileOf(const std::string& uri, const std::string& where) const;
     std::string_view buffer(size_t index, const std::string& from) const;
     std::string_view view(size_t index, const std::string& from, size_t& stride) const;
