@@ -27,8 +27,17 @@ CLI::Validator above(double least, bool itself, const char* kind, const char* wo
 CLI::Validator positive() { return above(0, false, "POSITIVE", "a number above 0"); }
 CLI::Validator notNegative() { return above(0, true, "NONNEGATIVE", "0 or more"); }
 
+/// What a capture may be, a line a format, below the options.
+std::string captureFormatList() {
+    std::string words = "Capture formats, known by content; of several in a folder the first counts:\n";
+    for (const CaptureFormat& format : captureFormats())
+        words += fmt::format("  {:<26}{}\n", format.name, format.marks);
+    return words;
+}
+
 /// How the capture's files are to be read: the same options for every verb that takes a capture.
 void addCaptureOptions(CLI::App& verb, CaptureFix& fix) {
+    verb.footer(captureFormatList());
     verb.add_option("--colmap", fix.colmap,
                     "Folder of a COLMAP model (cameras, images, points3D as .bin or .txt), for example sparse/0");
     verb.add_option("--images", fix.images, "Folder of the photographs");

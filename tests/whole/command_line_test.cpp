@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/capture_formats.h"
 #include "support/colmap_copy.h"
 #include "support/exr_header.h"
 #include "support/known_world.h"
@@ -62,6 +63,24 @@ TEST(CommandLine, HelpAndVersionAreResults) {
     for (const char* verb : {"check", "solve", "render", "export", "compare", "info"})
         EXPECT_NE(help.out.find(verb), std::string::npos) << verb;
     EXPECT_EQ(help.error, "");
+}
+
+/// Whoever has a folder of another program asks the import doctor whether it is read.
+TEST(CommandLine, HelpOfVerbsForCapturesListsTheirFormats) {
+    for (const char* verb : {"check", "plan", "solve", "compare", "info"}) {
+        const test::ProgramResult help = relamp({verb, "--help"});
+        EXPECT_EQ(help.exitCode, 0) << verb;
+        size_t at = help.out.find("Capture formats");
+        ASSERT_NE(at, std::string::npos) << verb;
+        for (const CaptureFormat& format : captureFormats()) {  // in their order, a line each
+            const size_t line = help.out.find(fmt::format("\n  {} ", format.name), at);
+            ASSERT_NE(line, std::string::npos) << verb << " does not list " << format.name;
+            at = line + 1;
+            EXPECT_NE(help.out.substr(at, help.out.find('\n', at) - at).find(format.marks), std::string::npos)
+                << verb << ": " << format.name;
+        }
+    }
+    EXPECT_EQ(relamp({"render", "--help"}).out.find("Capture formats"), std::string::npos);
 }
 
 TEST(CommandLine, WhatIsNotThereIsBadInput) {

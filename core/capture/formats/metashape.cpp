@@ -4,9 +4,10 @@
 //   x' = x (1 + K1 r^2 + K2 r^4 + K3 r^6 + K4 r^8) + P1 (r^2 + 2 x^2) + 2 P2 x y
 //   y' = y (1 + ...)                              + P2 (r^2 + 2 y^2) + 2 P1 x y
 //   u = w / 2 + cx + x' f + x' B1 + y' B2,   v = h / 2 + cy + y' f
-// so P1 and P2 are OpenCV's p2 and p1. The first pixel's centre is (0.5, 0.5), as ours. A camera's <transform> is
-// chunk-from-camera, row-major, Y down and looking along +Z; the component's or the chunk's <transform> (rotation,
-// translation, scale) leads on to the world that meshes are exported in.
+// so P1 and P2 are OpenCV's p2 and p1. Of an equidistant fisheye x and y are first scaled by atan(R) / R, R^2 = x^2 +
+// y^2, which is COLMAP's OPENCV_FISHEYE, with P1 and P2 its THIN_PRISM_FISHEYE. The first pixel's centre is (0.5, 0.5),
+// as ours. A camera's <transform> is chunk-from-camera, row-major, Y down and looking along +Z; the component's or the
+// chunk's <transform> (rotation, translation, scale) leads on to the world that meshes are exported in.
 #include <map>
 #include <pugixml.hpp>
 
@@ -58,12 +59,25 @@ ChunkPlace placeFrom(const pugi::xml_node& transform, const std::string& where) 
     return place;
 }
 
-/// The lens of a sensor; throws Error for what no frame camera has.
+/// Sets model and distortion of an equidistant fisheye: the simplest of COLMAP's that holds it exactly.
+void setFisheye(Camera& camera, const BrownLens& l) {
+    if (l.skew != 0)
+        throw Error("calibration: b2 is {:g}, expected 0 of a fisheye: fix it to 0 in Metashape and optimise again",
+                    l.skew * camera.focalX);
+    const bool tangential = l.p1 != 0 || l.p2 != 0;
+    camera.model = tangential ? LensModel::thinPrismFisheye : LensModel::openCvFisheye;
+    if (tangential) camera.distortion = {l.k1, l.k2, l.p1, l.p2, l.k3, l.k4, 0, 0};
+    else camera.distortion = {l.k1, l.k2, l.k3, l.k4};
+}
+
+/// The lens of a sensor; throws Error for what neither a frame camera nor an equidistant fisheye has.
 Camera cameraOfSensor(const pugi::xml_node& sensor) {
     const std::string type = sensor.attribute("type").as_string("frame");
-    if (type != "frame")
-        throw Error("type is \"{}\", expected \"frame\": export undistorted photographs from Metashape instead",
-                    type.substr(0, 40));
+    const bool fisheye = type == "fisheye" || type == "equidistant_fisheye";
+    if (type != "frame" && !fisheye)
+        throw Error(
+            "type is \"{}\", expected \"frame\" or \"fisheye\": export undistorted photographs from Metashape instead",
+            type.substr(0, 40));
     pugi::xml_node calibration = sensor.find_child_by_attribute("calibration", "class", "adjusted");
     if (!calibration) calibration = sensor.child("calibration");
     if (!calibration) throw Error("calibration is missing");
@@ -89,8 +103,10 @@ Camera cameraOfSensor(const pugi::xml_node& sensor) {
     camera.centreX = 0.5 * camera.width + value("cx");
     camera.centreY = 0.5 * camera.height + value("cy");
     checkIntrinsics(camera, {"calibration: f + b1", "calibration: f", "calibration: cx", "calibration: cy"});
-    setLens(camera, {value("k1"), value("k2"), value("k3"), value("k4"), value("p2"), value("p1"),
-                     value("b2") / camera.focalX});
+    const BrownLens lens{
+        value("k1"), value("k2"), value("k3"), value("k4"), value("p2"), value("p1"), value("b2") / camera.focalX};
+    if (fisheye) setFisheye(camera, lens);
+    else setLens(camera, lens);
     checkIntrinsics(camera, {"calibration: f + b1", "calibration: f", "calibration: cx", "calibration: cy"});
     return camera;
 }

@@ -3,8 +3,9 @@
 // From VisualSFM's documentation of the format and the writer of its bundle adjustment (PBA, util.h): a camera is "name
 // focal-length qw qx qy qz cx cy cz d 0", the quaternion turns the world into the camera (Y down, looking along +Z), c
 // is its position, and a measured point m, in focal lengths from the middle of the image, has the undistorted place m
-// (1 + d |m|^2). Our lenses go the other way: the inverse is fitted by Brown's polynomial up to r^8, and the note says
-// how well. Of several models the first is read.
+// (1 + d |m|^2). NVM_V3_R9T has a rotation matrix, row by row, and the translation that
+// follows it (x in the camera = R x + t) in place of quaternion and position. Our lenses go the other way: the inverse
+// is fitted by Brown's polynomial up to r^8, and the note says how well. Of several models the first is read.
 #include "base/atomic_file.h"
 #include "base/text_scanner.h"
 #include "capture/formats/readers.h"
@@ -67,8 +68,11 @@ ForeignCameras parseNvm(const fs::path& file, const ForeignFolder& around, Progr
     const std::string text = readBytes(file, size_t(2) << 30);
     TextScanner scanner(text);
     TextScanner header(scanner.line());
-    if (const std::string_view word = header.word(); word != "NVM_V3")
-        throw Error("the header is \"{}\", expected \"NVM_V3\"", word.substr(0, 40));
+    const std::string_view kind = header.word();
+    if (kind != "NVM_V3" && kind != "NVM_V3_R9T")
+        throw Error("the header is \"{}\", expected \"NVM_V3\" or \"NVM_V3_R9T\"", kind.substr(0, 40));
+    const bool matrices = kind == "NVM_V3_R9T";
+    const int numbers = matrices ? 15 : 10;
     if (const std::string_view word = header.word(); !word.empty())
         throw Error("the header holds \"{}\", expected no fixed calibration", word.substr(0, 40));
     const double count = numberFrom(scanner.word(), "number of cameras");
@@ -80,9 +84,9 @@ ForeignCameras parseNvm(const fs::path& file, const ForeignFolder& around, Progr
     for (size_t i = 0; i < size_t(count); ++i) {
         progress.check();
         const std::string_view line = scanner.line();
-        // Names may hold spaces: the ten numbers are counted from the end.
+        // Names may hold spaces: the numbers are counted from the end.
         size_t end = line.find_last_not_of(" \t\r") + 1, begin = end;
-        for (int words = 0; words < 10 && begin != line.npos && begin > 0; ++words) {
+        for (int words = 0; words < numbers && begin != line.npos && begin > 0; ++words) {
             const size_t last = line.find_last_not_of(" \t", begin - 1);
             if (last == line.npos) break;
             begin = line.find_last_of(" \t", last);
@@ -90,9 +94,9 @@ ForeignCameras parseNvm(const fs::path& file, const ForeignFolder& around, Progr
         }
         std::string_view name = line.substr(0, begin);
         while (!name.empty() && TextScanner::isSpace(name.back())) name.remove_suffix(1);
-        if (name.empty()) throw Error("camera {}: is no line of a name and 10 numbers", i);
+        if (name.empty()) throw Error("camera {}: is no line of a name and {} numbers", i, numbers);
         withContext(std::string(name.substr(0, 200)), [&] {
-            const auto n = numbersFrom(line.substr(begin, end - begin), 10, "camera");
+            const auto n = numbersFrom(line.substr(begin, end - begin), size_t(numbers), "camera");
             ForeignView view{std::string(name), {}};
             Camera& camera = view.camera;
             const auto [width, height] = around.sizeOf(view.name);
@@ -100,13 +104,18 @@ ForeignCameras parseNvm(const fs::path& file, const ForeignFolder& around, Progr
             camera.focalX = camera.focalY = n[0];
             camera.centreX = 0.5 * width, camera.centreY = 0.5 * height;
             checkIntrinsics(camera, {"focal length", "focal length", "the middle's x", "the middle's y"});
-            const glm::dmat3 axes = glm::transpose(rotationFromQuaternion(n[1], n[2], n[3], n[4], "quaternion"));
-            camera.worldFromCamera = poseFromAxes(axes, {n[5], n[6], n[7]}, "quaternion");
-            if (n[8] != 0) {
-                const double error = fitInverse(camera, n[8]);
+            if (matrices) {
+                const glm::dmat3 axes(n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9]);  // rows of R are columns
+                camera.worldFromCamera = poseFromAxes(axes, -(axes * DVec3(n[10], n[11], n[12])), "rotation");
+            } else {
+                const glm::dmat3 axes = glm::transpose(rotationFromQuaternion(n[1], n[2], n[3], n[4], "quaternion"));
+                camera.worldFromCamera = poseFromAxes(axes, {n[5], n[6], n[7]}, "quaternion");
+            }
+            if (const double distortion = n[n.size() - 2]; distortion != 0) {
+                const double error = fitInverse(camera, distortion);
                 if (!(error <= largestError))
                     throw Error("radial distortion is {}: its inverse fits to {:.2f} pixels, expected {} or better",
-                                n[8], error, largestError);
+                                distortion, error, largestError);
                 worst = std::max(worst, error);
             }
             result.views.push_back(std::move(view));

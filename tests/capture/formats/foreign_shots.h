@@ -22,7 +22,8 @@ struct ForeignShot {
 struct ForeignLens {
     double f = 1234.5, fy = 1234.5, cx = 803.25, cy = 596.5;
     double k1 = 0, k2 = 0, k3 = 0, k4 = 0, p1 = 0, p2 = 0;
-    double skew = 0;  ///< pixels that x grows by for y' of 1
+    double skew = 0;           ///< pixels that x grows by for y' of 1
+    bool equidistant = false;  ///< the distortion is that of a fisheye's plane: the angle, in place of its tangent
 };
 
 constexpr int foreignWidth = 1600, foreignHeight = 1200;
@@ -48,7 +49,9 @@ inline std::vector<ForeignShot> foreignShots() {
 
 inline glm::dvec2 expectedPixel(const ForeignShot& shot, const ForeignLens& lens, const DVec3& world) {
     const DVec3 d = world - shot.position;
-    const double z = glm::dot(shot.ahead, d), x = glm::dot(shot.right, d) / z, y = glm::dot(shot.down, d) / z;
+    const double z = glm::dot(shot.ahead, d), slope = glm::length(d - z * shot.ahead) / z;
+    const double plane = lens.equidistant && slope > 0 ? std::atan(slope) / slope : 1;
+    const double x = plane * glm::dot(shot.right, d) / z, y = plane * glm::dot(shot.down, d) / z;
     const double r2 = x * x + y * y;
     const double radial =
         1 + lens.k1 * r2 + lens.k2 * std::pow(r2, 2) + lens.k3 * std::pow(r2, 3) + lens.k4 * std::pow(r2, 4);

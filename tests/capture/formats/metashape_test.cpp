@@ -134,11 +134,11 @@ TEST_F(Metashape, ExposuresBesideAPhotographAreItsBracket) {
 }
 
 TEST_F(Metashape, WhatIsNoFrameCameraIsRefusedByItsName) {
-    for (const char* type : {"fisheye", "spherical", "cylindrical", "rpc"}) {
+    for (const char* type : {"equisolid_fisheye", "spherical", "cylindrical", "rpc"}) {
         write(sensor(whole, type), cameras({}));
-        EXPECT_EQ(
-            error().find(fmt::format("cameras.xml: camera img_0: sensor 0: type is \"{}\", expected \"frame\"", type)),
-            0u)
+        EXPECT_EQ(error().find(fmt::format(
+                      "cameras.xml: camera img_0: sensor 0: type is \"{}\", expected \"frame\" or \"fisheye\":", type)),
+                  0u)
             << error();
     }
     write(sensor(whole), camera(0, {}, "<rolling_shutter>0 0 1</rolling_shutter>"));
@@ -151,6 +151,27 @@ TEST_F(Metashape, WhatIsNoFrameCameraIsRefusedByItsName) {
     higher.replace(higher.find("<f>"), 3, "<p3>0.5</p3><f>");
     write(higher, cameras({}));
     EXPECT_EQ(error().find("cameras.xml: camera img_0: sensor 0: calibration: p3 is 0.5, expected 0"), 0u);
+}
+
+TEST_F(Metashape, AFisheyeGivesThePixelsOfTheManual) {
+    ForeignLens fisheye = whole;
+    fisheye.equidistant = true, fisheye.skew = 0;
+    for (const char* type : {"fisheye", "equidistant_fisheye"}) {
+        write(sensor(fisheye, type), cameras({}));
+        EXPECT_LT(worstPixel(read(), fisheye), 1e-6) << type;
+        EXPECT_EQ(read().frames[0].camera.model, LensModel::thinPrismFisheye);
+    }
+    fisheye.p1 = fisheye.p2 = 0;
+    write(sensor(fisheye, "fisheye"), cameras({}));
+    EXPECT_LT(worstPixel(read(), fisheye), 1e-6);
+    EXPECT_EQ(read().frames[0].camera.model, LensModel::openCvFisheye);
+    // The pixels of a frame camera are others: the formula matters here.
+    fisheye.equidistant = false;
+    EXPECT_GT(worstPixel(read(), fisheye), 10);
+    // None of the models has a fisheye's skew.
+    write(sensor(whole, "fisheye"), cameras({}));
+    EXPECT_EQ(error().find("cameras.xml: camera img_0: sensor 0: calibration: b2 is 0.8, expected 0 of a fisheye"), 0u)
+        << error();
 }
 
 TEST_F(Metashape, BadFieldsAreNamed) {

@@ -165,6 +165,30 @@ TEST_F(VisualSfm, QuaternionsTurnTheWorldIntoTheCamera) {
     EXPECT_LT(worstPixel(read(), {1234.5, 1234.5, 800, 600}), 1e-6);
 }
 
+TEST_F(VisualSfm, MatricesAndTranslationsAreTheSameCameras) {
+    for (const double d : {0.0, 0.1}) {
+        write(d);
+        const CaptureSource quaternions = read();
+        std::string text = fmt::format("NVM_V3_R9T\n{}\n", shots.size());
+        for (const ForeignShot& s : shots) {
+            text += s.name + " 1234.5";
+            for (const DVec3& row : {s.right, s.down, s.ahead})
+                text += fmt::format(" {:.17g} {:.17g} {:.17g}", row.x, row.y, row.z);
+            for (const DVec3& row : {s.right, s.down, s.ahead})
+                text += fmt::format(" {:.17g}", -glm::dot(row, s.position));
+            text += fmt::format(" {} 0\n", d);
+        }
+        folder.write("scan.nvm", text + "\n0\n0\n");
+        const CaptureSource matrices = read();
+        if (d == 0) {
+            EXPECT_LT(worstPixel(matrices, {1234.5, 1234.5, 800, 600}), 1e-6);
+        }
+        ASSERT_EQ(matrices.frames.size(), quaternions.frames.size());
+        for (size_t i = 0; i < shots.size(); ++i)
+            EXPECT_EQ(matrices.frames[i].camera.distortion, quaternions.frames[i].camera.distortion);
+    }
+}
+
 TEST_F(VisualSfm, TheFittedLensUndoesItsDistortion) {
     for (const double d : {0.1, -0.1}) {
         write(d);
@@ -209,8 +233,12 @@ TEST_F(VisualSfm, BadLinesAreNamed) {
     // Names may hold spaces.
     std::filesystem::copy_file(folder / "images/img_0.png", folder / "images/a b.png");
     EXPECT_EQ(with("1\na b.png 900 1 0 0 0 1 2 3 0 0\n"), "");
-    folder.write("scan.nvm", "NVM_V3_R9T\n1\n");
-    EXPECT_EQ(error(), "scan.nvm: the header is \"NVM_V3_R9T\", expected \"NVM_V3\"");
+    folder.write("scan.nvm", "NVM_V3_R9T\n1\nimg_0.png 900 1 0 0 0 1 2 3 0 0\n");
+    EXPECT_EQ(error(), "scan.nvm: camera 0: is no line of a name and 15 numbers");
+    folder.write("scan.nvm", "NVM_V3_R9T\n1\nimg_0.png 900 1 0 0 0 2 0 0 0 1 1 2 3 0 0\n");
+    EXPECT_EQ(error().find("scan.nvm: img_0.png: rotation is not rigid"), 0u) << error();
+    folder.write("scan.nvm", "NVM_V3_R12T\n1\n");
+    EXPECT_EQ(error(), "scan.nvm: the header is \"NVM_V3_R12T\", expected \"NVM_V3\" or \"NVM_V3_R9T\"");
     folder.write("scan.nvm", "NVM_V3 FixedK 900 800 900 600 0\n1\n");
     EXPECT_EQ(error(), "scan.nvm: the header holds \"FixedK\", expected no fixed calibration");
     folder.write("scan.nvm", "something else");
