@@ -9,6 +9,7 @@
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
 #include "radiance/free_space.h"
+#include "radiance/slab_sides.h"
 #include "solve/registration/round_rim.h"
 
 namespace relamp {
@@ -32,10 +33,26 @@ public:
             *prepared_.scene, capture_, *prepared_.samples,
             verticesOf(*prepared_.scene, {&prepared_.clusters.emitters, &prepared_.clusters.candidates}), progress_);
         if (mend_.removed.empty()) return false;
+        const RadianceSamples before = *prepared_.samples;
         apply({});
         say(fmt::format("{} triangles stand where photographs show the background past them: left out",
                         mend_.removed.size()));
+        squareSlabs(before);
         return true;
+    }
+
+    /// Edges of tables and boards, and the sides below them, which skirts had hidden. `before`: with the skirts.
+    void squareSlabs(const RadianceSamples& before) {
+        SlabSides found = slabSides(*prepared_.scene, capture_, before);
+        if (found.edges == 0) return;
+        add(found.removed, mend_.removed);
+        mend_.moved.insert(mend_.moved.end(), found.moved.begin(), found.moved.end());
+        addPatch(found.sides);
+        apply({});
+        say(fmt::format(
+            "{} straight edges of flat surfaces were brought to where photographs show them, with {:.0f} cm2 "
+            "of sides down to {:.1f} cm below them",
+            found.edges, 1e4f * found.sides.area, 100 * found.depth));
     }
 
     void completeSurfaces() {

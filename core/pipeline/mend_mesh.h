@@ -4,7 +4,8 @@
 
 namespace relamp {
 
-/// Takes skirts off the capture's mesh (radiance/free_space.h), completes round sheets of which it lacks a part
+/// Takes skirts off the capture's mesh (radiance/free_space.h), gives slabs their edges and sides
+/// (radiance/slab_sides.h), completes round sheets of which it lacks a part
 /// (radiance/round_sheets.h), gives emitters the shape that their pixels show (clusters/emitter_mend.h) and opens
 /// shades (pipeline/light_obstacles.h, radiance/back_sides.h). What does not bring mesh and photographs together is
 /// taken back. A mesh without skirts that registration left as it is (`moved`: it did not) has no missing sheets.

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "radiance/agreement.h"
 #include "radiance/background_cells.h"
 
 namespace relamp {
@@ -31,9 +30,13 @@ std::optional<float> SeenPast::difference(size_t view, const Vec3& direction, fl
     Rgb low(1e30f), high(-1);
     const Vec3 eye(capture_.views[view].camera.position());
     if (const Hit hit = scene_.cameraTracer->closest({eye, direction, from, 1e30f})) {
-        const auto others = medianObservation(samples_, scene_.mesh.triangles[hit.triangle][0], uint32_t(view));
-        if (!others) return {};
-        low = high = *others;
+        for (const uint32_t v : scene_.mesh.triangles[hit.triangle])
+            for (uint32_t k = samples_.start[v]; k < samples_.start[v + 1]; ++k) {
+                if (samples_.samples[k].view == view) continue;
+                low = glm::min(low, samples_.samples[k].radiance);
+                high = glm::max(high, samples_.samples[k].radiance);
+            }
+        if (high.x < 0) return {};
     } else {
         const int cell = grid_.cellOf(direction), x = cell % grid_.side, y = cell / grid_.side;
         for (int ny = std::max(0, y - 1); ny <= std::min(grid_.side - 1, y + 1); ++ny)

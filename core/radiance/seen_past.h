@@ -15,8 +15,8 @@ public:
     SeenPast(const Scene& scene, const Capture& capture, const RadianceSamples& samples);
 
     /// Difference between `shown` and what lies on the ray of `view` beyond `from` metres: mean of the channels' log
-    /// ratios. The mesh there shows the median of its observations in other views, the background what other views see
-    /// of it in the same direction. None where no other view tells. O(views + ray).
+    /// ratios. The mesh there may show all that other views show of it (gloss, prints), the background what other views
+    /// see of it in the same direction. None where no other view tells. O(views + ray).
     std::optional<float> difference(size_t view, const Vec3& direction, float from, const Rgb& shown) const;
     float floor() const { return floor_; }
 
