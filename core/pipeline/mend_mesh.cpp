@@ -10,6 +10,7 @@
 #include "radiance/back_sides.h"
 #include "radiance/free_space.h"
 #include "radiance/slab_sides.h"
+#include "radiance/whole_shade.h"
 #include "solve/registration/round_rim.h"
 
 namespace relamp {
@@ -60,6 +61,7 @@ public:
         float area = 0;
         std::vector<uint32_t> replaced;
         for (const RoundSheet& sheet : sheets_) {
+            completed_.push_back({mend_.added.size(), mend_.added.size() + sheet.missing.triangles.size()});
             addPatch(sheet.missing);
             replaced.insert(replaced.end(), sheet.missing.replaced.begin(), sheet.missing.replaced.end());
             area += sheet.missing.area;
@@ -138,10 +140,15 @@ public:
         if (behind.backs > mostlyBacks && behind.backs + behind.fronts > closed) {
             std::vector<LightBall> lights;
             for (const ProxyLight& ball : found.balls) lights.push_back({Vec3(ball.centre), ball.radius});
-            addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, filling, lights));
             add(filling, mend_.removed);
             apply(found.balls);
-            evenRims(found.balls);
+            std::vector<uint32_t> without;
+            const std::vector<SurfacePatch> whole = wholeShades(found, without);
+            addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, without, lights));
+            add(without, mend_.removed);
+            for (const SurfacePatch& shade : whole) addPatch(shade);
+            apply(found.balls);
+            if (whole.empty()) evenRims(found.balls);
             found.words.push_back(
                 fmt::format("{} triangles close the opening of a shade over a light: taken away, and the shade has an "
                             "inner side",
@@ -156,15 +163,47 @@ public:
         apply(found.balls);
     }
 
+    /// Shades about the balls as even sheets to the circles that photographs show; what they replace joins `without`.
+    std::vector<SurfacePatch> wholeShades(EmitterMend& found, std::vector<uint32_t>& without) {
+        std::vector<SurfacePatch> whole;
+        std::vector<const RoundSheet*> done;
+        for (const ProxyLight& ball : found.balls) {
+            const RoundSheet* shade = shadeOf(ball);
+            if (!shade || std::count(done.begin(), done.end(), shade)) continue;
+            done.push_back(shade);
+            const bool low = opensLow(*shade, ball);
+            const std::optional<double> height =
+                rimHeight(capture_, *prepared_.scene, shade->surface, low ? shade->low : shade->high, darkness());
+            std::optional<SurfacePatch> sheet;
+            if (height) sheet = wholeShade(*prepared_.scene, file_.vertexCount(), *shade, *height, low);
+            if (!sheet) continue;
+            without.insert(without.end(), sheet->replaced.begin(), sheet->replaced.end());
+            // What completed it before goes with the rest.
+            const auto [first, last] = completed_[size_t(shade - sheets_.data())];
+            for (size_t t = first; t < last; ++t) mend_.added[t] = {};
+            found.words.push_back(
+                "a shade is one even sheet from its rim on, in place of the shreds that opening it leaves");
+            whole.push_back(std::move(*sheet));
+        }
+        std::erase(mend_.added, Triangle{});
+        std::sort(without.begin(), without.end());
+        without.erase(std::unique(without.begin(), without.end()), without.end());
+        return whole;
+    }
+
+    /// The light stands in the opening.
+    static bool opensLow(const RoundSheet& shade, const ProxyLight& ball) {
+        const double at = shade.surface.height(ball.centre);
+        return at - shade.low < shade.high - at;
+    }
+
     /// What was taken away leaves shades with jagged ends: these are brought to the circle that photographs show.
     void evenRims(const std::vector<ProxyLight>& balls) {
         const size_t own = file_.vertexCount() + mend_.addedPositions.size();  // those of the balls follow
         for (const ProxyLight& ball : balls) {
             const RoundSheet* shade = shadeOf(ball);
             if (!shade) continue;
-            // The light stands in the opening.
-            const double at = shade->surface.height(ball.centre);
-            const bool low = at - shade->low < shade->high - at;
+            const bool low = opensLow(*shade, ball);
             const std::optional<double> height =
                 rimHeight(capture_, *prepared_.scene, shade->surface, low ? shade->low : shade->high, darkness());
             if (!height) continue;
@@ -266,6 +305,7 @@ private:
     const std::vector<ProxyLight> proxies_;
     MeshMend mend_;
     std::vector<RoundSheet> sheets_;
+    std::vector<std::pair<size_t, size_t>> completed_;  ///< per sheet the triangles that were added to it
 };
 
 }  // namespace

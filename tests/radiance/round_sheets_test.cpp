@@ -5,6 +5,7 @@
 
 #include "radiance/back_sides.h"
 #include "radiance/gather.h"
+#include "radiance/whole_shade.h"
 #include "support/estimates.h"
 
 namespace relamp {
@@ -127,6 +128,46 @@ TEST(RoundSheets, NothingIsMissingFromAWholeShade) {
 
 TEST(RoundSheets, AGapThatPhotographsSeeThroughStays) {
     EXPECT_EQ(Shaded(worldOf(butGap, butGap), worldOf(butGap, butGap)).missing(), 0);
+}
+
+TEST(WholeShade, AnEvenSheetTakesThePlaceOfShreds) {
+    // Cut crookedly at its wide end, and shreds of its inner side.
+    const auto crooked = [](double height, double turn) { return height > low + 0.03 + 0.02 * std::sin(80 * turn); };
+    Mesh mesh = sideOf(0, crooked);
+    const size_t own = mesh.vertexCount(), wall = mesh.triangles.size();
+    test::append(mesh, sideOf(-0.008, [](double height, double turn) {
+                     return height < low + 0.04 && std::sin(60 * turn) > 0.7;
+                 }));
+    const Scene scene = test::sceneOf(mesh);
+    const RevolutionSurface truth = shadeOf();
+    const auto sheet = wholeShade(scene, own, {truth, low, high, {}}, low, true);
+    ASSERT_TRUE(sheet);
+    double lowest = 1, highest = -1;
+    for (const Vec3& p : sheet->positions) {
+        EXPECT_NEAR(truth.distance(DVec3(p)), 0, 0.003);
+        lowest = std::min(lowest, truth.height(DVec3(p)));
+        highest = std::max(highest, truth.height(DVec3(p)));
+    }
+    EXPECT_NEAR(lowest, low, 0.002) << "to the rim";
+    EXPECT_GT(highest, high - 0.04);
+    // Outer and inner side, and a narrow rim that joins them.
+    const Mesh whole{sheet->positions, {}, sheet->triangles};
+    float outwards = 0, inwards = 0, rim = 0;
+    for (size_t t = 0; t < whole.triangles.size(); ++t) {
+        const double along =
+            glm::dot(DVec3(whole.faceNormal(t)), truth.normalAt(DVec3(whole.positions[whole.triangles[t][0]])));
+        (along > 0.9 ? outwards : along < -0.9 ? inwards : rim) += whole.triangleArea(t);
+    }
+    EXPECT_NEAR(outwards, inwards, 0.03f * outwards);
+    EXPECT_LT(rim, 0.03f * outwards);
+    EXPECT_GT(outwards, 0.1f);
+    // All shreds go, and the wall but its uppermost rows.
+    EXPECT_EQ(std::count_if(sheet->replaced.begin(), sheet->replaced.end(), [&](uint32_t t) { return t >= wall; }),
+              std::ptrdiff_t(mesh.triangles.size() - wall));
+    EXPECT_GT(sheet->replaced.size(), 0.8 * double(mesh.triangles.size()));
+    // Of half a ring there is no whole sheet.
+    const Scene half = test::sceneOf(sideOf(0, [](double, double turn) { return turn < 0.5; }));
+    EXPECT_FALSE(wholeShade(half, half.mesh.vertexCount(), {truth, low, high, {}}, low, true));
 }
 
 TEST(BackSides, AShadeOfOneSideGetsAnInnerOne) {
