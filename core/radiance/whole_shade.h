@@ -1,4 +1,4 @@
-// A lamp shade as one even sheet, in place of the shreds that opening it leaves.
+// A shade as one even sheet, in place of the shreds that opening it leaves.
 #pragma once
 #include "radiance/round_sheets.h"
 
