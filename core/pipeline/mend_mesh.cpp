@@ -30,9 +30,8 @@ public:
 
     /// Whether there were any.
     bool takeSkirtsOff() {
-        mend_.removed = freeSpaceTriangles(
-            *prepared_.scene, capture_, *prepared_.samples,
-            verticesOf(*prepared_.scene, {&prepared_.clusters.emitters, &prepared_.clusters.candidates}), progress_);
+        mend_.removed =
+            freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, verticesOfLights(), progress_);
         if (mend_.removed.empty()) return false;
         const RadianceSamples before = *prepared_.samples;
         apply({});
@@ -44,7 +43,7 @@ public:
 
     /// Edges of tables and boards, and the sides below them, which skirts had hidden. `before`: with the skirts.
     void squareSlabs(const RadianceSamples& before) {
-        SlabSides found = slabSides(*prepared_.scene, capture_, before);
+        SlabSides found = slabSides(*prepared_.scene, capture_, before, verticesOfLights());
         if (found.edges == 0) return;
         add(found.removed, mend_.removed);
         mend_.moved.insert(mend_.moved.end(), found.moved.begin(), found.moved.end());
@@ -284,6 +283,9 @@ private:
         capture_.proxies.insert(capture_.proxies.end(), balls.begin(), balls.end());
         prepared_ = prepare(capture_, options_, meter_, progress_);
         letSidesShine(*prepared_.scene, mend_.shining, prepared_.clusters);
+    }
+    std::vector<uint8_t> verticesOfLights() const {
+        return verticesOf(*prepared_.scene, {&prepared_.clusters.emitters, &prepared_.clusters.candidates});
     }
     /// Radiance that counts as dark: a fiftieth of the median.
     float darkness() const {

@@ -33,8 +33,8 @@ public:
     SlabSearch(const Scene& scene, const Capture& capture, const RadianceSamples& samples)
         : scene_(scene), capture_(capture), past_(scene, capture, samples), views_(scene, capture, past_.floor()) {}
 
-    SlabSides result() {
-        for (const StraightRim& rim : straightRims(scene_))
+    SlabSides result(const std::vector<uint8_t>& isLight) {
+        for (const StraightRim& rim : straightRims(scene_, isLight))
             if (const std::optional<StraightRim> edge = shownEdge(views_, rim)) rims_.push_back(*edge);
         if (rims_.empty()) return {};
         double spacing = 0;
@@ -275,8 +275,9 @@ private:
 
 }  // namespace
 
-SlabSides slabSides(const Scene& scene, const Capture& capture, const RadianceSamples& samples) {
-    return SlabSearch(scene, capture, samples).result();
+SlabSides slabSides(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                    const std::vector<uint8_t>& isLight) {
+    return SlabSearch(scene, capture, samples).result(isLight);
 }
 
 }  // namespace relamp

@@ -16,7 +16,9 @@ struct SlabSides {
 /// Straight rims of flat surfaces where photographs show their edges, and the sides of the slab below them: as deep as
 /// its lower edges are, which photographs show as lines alongside. Sides that the mesh has are replaced with them;
 /// where no lower edge is shown they stay, and what ends there is an edge without sides. `scene` is without its skirts,
-/// `samples` with them, because without one a side looks like background. O(trials x vertices + cells x views rays).
-SlabSides slabSides(const Scene& scene, const Capture& capture, const RadianceSamples& samples);
+/// `samples` with them, because without one a side looks like background. `isLight`: per vertex, non-zero for those of
+/// emitters, which have no sides. O(trials x vertices + cells x views rays).
+SlabSides slabSides(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                    const std::vector<uint8_t>& isLight);
 
 }  // namespace relamp

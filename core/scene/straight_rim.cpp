@@ -257,12 +257,13 @@ private:
 
 double rimHeight(const Scene& scene) { return double(rimTolerance * scene.diagonal); }
 
-std::vector<StraightRim> straightRims(const Scene& scene) {
+std::vector<StraightRim> straightRims(const Scene& scene, const std::vector<uint8_t>& leftOut) {
     const FaceOfEdge faces = facesOfEdges(scene.mesh);
     std::vector<uint32_t> left = byRank(scene);
     std::vector<StraightRim> result;
     double total = 0;
     for (const uint32_t v : left) total += areaAt(scene, v);
+    std::erase_if(left, [&](uint32_t v) { return leftOut[v] != 0; });
     for (uint32_t s = 0; s < mostSurfaces; ++s) {
         const std::optional<Plane> plane = largestPlane(scene, left, total);
         if (!plane) break;

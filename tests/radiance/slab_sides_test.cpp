@@ -57,7 +57,8 @@ SlabSides sidesOf(const Mesh& real, const Mesh& mesh) {
     Progress progress;
     // As it came: with a skirt all around.
     const Mesh whole = test::sheet({-0.75f, -0.55f, 0}, {1.5f, 0, 0}, {0, 1.1f, 0}, 150, 110);
-    return slabSides(scene, capture, gatherRadiance(capture, test::sceneOf(whole), {}, progress));
+    return slabSides(scene, capture, gatherRadiance(capture, test::sceneOf(whole), {}, progress),
+                     std::vector<uint8_t>(mesh.vertexCount(), 0));
 }
 
 TEST(SlabSides, ATableGetsItsEdgesAndItsSides) {
