@@ -176,6 +176,10 @@ Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma) 
     return glm::sqrt(sigma * sigma + float(modelError * modelError / std::max(seen * seen, 1e-6)));
 }
 
+bool glossAlone(const LightUncertainty& light, bool backdrop) {
+    return backdrop && luminance(light.fromGloss) > std::max(luminance(light.fromBounces), luminance(light.fromProbes));
+}
+
 void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate) {
     GaugeReport& gauge = estimate.gauge;
     Rgb scale(1);
@@ -206,7 +210,7 @@ void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUnce
                                           "{} lights are seen directly and unclipped; their light varies over "
                                           "the scene",
                                           count);
-    } else if (!refuted && assessed && luminance(scaleSigma) < enoughSigma) {
+    } else if (!refuted && assessed && !glossAlone(light, seen.backdrop) && luminance(scaleSigma) < enoughSigma) {
         const float gloss = luminance(light.fromGloss), bounced = luminance(light.fromBounces);
         const float probes = luminance(light.fromProbes);
         if (probes > std::max({gloss, bounced, luminance(light.fromBackground)})) {

@@ -145,6 +145,9 @@ void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const Li
                        Estimate& estimate);
 /// A deviation of the scale with what the model of light is off by, where little of it is seen (docs/method.md 6.5).
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma);
+/// Whether highlights alone would tell the scale, before a backdrop: they are as strong as their lobes' weights say,
+/// and these are fitted, so that they tell none.
+bool glossAlone(const LightUncertainty& light, bool backdrop);
 void applyGauge(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light, Estimate& estimate);
 /// Asks once which patches of known albedo agree with the light that is fitted without them, and with each other. Those
 /// that do not agree take part in no fit from now on; where all do, the light stays as it was.
