@@ -144,17 +144,14 @@ void Editor::preview(const std::function<void(Look&)>& change) {
 void Editor::commitGesture() { impl_->history.commit(); }
 void Editor::abandonGesture() { impl_->history.abandon(); }
 void Editor::undo() {
-    impl_->history.undo();
+    if (inGesture()) impl_->history.undo();
+    else if (history().canUndo()) return goTo(history().index() - 1);
     impl_->forgetLostLights();
 }
 void Editor::redo() {
-    impl_->history.redo();
-    impl_->forgetLostLights();
+    if (!inGesture() && history().canRedo()) goTo(history().index() + 1);
 }
-void Editor::goTo(size_t entry) {
-    impl_->history.goTo(entry);
-    impl_->forgetLostLights();
-}
+void Editor::goTo(size_t entry) { impl_->goToEntry(entry); }
 
 void Editor::Impl::forgetLostLights() {
     const auto gone = [this](const std::string& id) { return !self.emitter(id); };

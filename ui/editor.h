@@ -46,8 +46,9 @@ public:
     void readInBackground(const std::filesystem::path& file, const std::function<void()>& read,
                           const std::function<void(Editor&)>& done);
     void openNow(const std::filesystem::path& path);
-    /// Reads the open capture again with its axes set right. What was estimated before does not hold any more and goes.
-    void fixCapture(const CaptureFix& fix);
+    /// Reads the open capture again with its axes set right, in the background. What was estimated before does not hold
+    /// any more; undo gives it back, with the capture as it was. A reading that the history has needs no time.
+    void fixCapture(const CaptureFix& fix, const std::string& label = "Read the capture otherwise");
     /// Saves to the shot's folder; asks for a place when it has none.
     void save();
     void saveAs(const std::filesystem::path& folder);

@@ -253,7 +253,7 @@ void Editor::findUnobservedLight() {
             for (const UnobservedLight& light : search.lights) wanted.proxies.push_back(proxyOf(light));
             return [impl, search, folder, wanted] {
                 impl->self.state.unobservedSearch = {folder, search.words};
-                if (!search.lights.empty()) impl->self.fixCapture(wanted);
+                if (!search.lights.empty()) impl->self.fixCapture(wanted, "Find off-camera light");
             };
         });
 }
@@ -263,7 +263,110 @@ void Editor::removeProxy(size_t index) {
     if (index >= fix.proxies.size()) return;
     fix.proxies.erase(fix.proxies.begin() + std::ptrdiff_t(index));
     state.unobservedSearch = {};
-    fixCapture(fix);
+    fixCapture(fix, "Remove off-camera light");
+}
+
+// ---- the capture read otherwise
+
+namespace {
+
+/// But for rounding: places of lights count from the capture's origin while it is open.
+bool sameReading(CaptureFix a, CaptureFix b) {
+    if (a.proxies.size() != b.proxies.size()) return false;
+    for (size_t i = 0; i < a.proxies.size(); ++i)
+        if (glm::length(a.proxies[i].centre - b.proxies[i].centre) <= 1e-9 * (1 + glm::length(b.proxies[i].centre)))
+            a.proxies[i].centre = b.proxies[i].centre;
+    return a == b;
+}
+
+/// Cameras and mesh stand where they stood: only what shines is another.
+bool samePlaces(CaptureFix a, CaptureFix b) {
+    for (CaptureFix* fix : {&a, &b}) {
+        fix->proxies.clear();
+        fix->states.clear();
+        fix->environments.clear();
+        fix->photometric = {};
+        fix->smoothNormals = -1;
+    }
+    return a == b;
+}
+
+}  // namespace
+
+std::shared_ptr<const CaptureInputs> CaptureInputs::of(const Document& d) {
+    return std::make_shared<const CaptureInputs>(CaptureInputs{d.fix, d.capture, d.scene, d.samples, d.check});
+}
+
+void Editor::fixCapture(const CaptureFix& fix, const std::string& label) {
+    if (impl_->job || !state.document.capture) return;
+    const std::vector<HistoryEntry>& entries = history().entries();
+    for (size_t i = history().index() + 1; i-- > 0;)
+        if (sameReading(static_cast<const CaptureInputs*>(entries[i].version.inputs.get())->fix, fix)) {
+            impl_->history.push(label, Version(entries[i].version));
+            return impl_->followHistory();
+        }
+    impl_->readAgain(fix, label);
+}
+
+void Editor::Impl::goToEntry(size_t entry) {
+    const std::vector<HistoryEntry>& entries = history.entries();
+    if (entry < entries.size() && entries[entry].version.inputs != history.present().inputs && refusedWhileRunning())
+        return;
+    history.goTo(entry);
+    followHistory();
+    forgetLostLights();
+}
+
+void Editor::Impl::followHistory() {
+    EditorState& ours = self.state;
+    const auto* now = static_cast<const CaptureInputs*>(history.present().inputs.get());
+    if (!now || now->scene == ours.document.scene) return;
+    const CaptureInputs& inputs = *now;
+    const bool moved = !samePlaces(inputs.fix, ours.document.fix);
+    ours.document.fix = inputs.fix;
+    ours.document.capture = inputs.capture;
+    ours.document.scene = inputs.scene;
+    ours.document.samples = inputs.samples;
+    ours.document.check = inputs.check;
+    tellEstimates();
+    emittersOfEstimate.reset();
+    emittersRevision = timedRevision = 0;
+    playback = {};
+    snapshot.reset();
+    ours.interrupted.reset();
+    ours.scope.reset();
+    ours.probe.reset();
+    ours.marking.reset();
+    ours.selection.point.reset();
+    ours.pointLight.reset();
+    ours.viewport.hiddenComponents.clear();
+    // Frames of the plate are matched to the capture as it is now.
+    openPlates.clear();
+    plateOpening.reset();
+    dropThumbnails("view:");
+    dropThumbnails("env:recovered");
+    forgetLostLights();
+    const bool solved = history.present().estimate || history.present().distantOnly;
+    if (!solved) ours.viewport.mode = ViewMode::photograph;
+    else if (ours.viewport.mode == ViewMode::photograph) ours.viewport.mode = ViewMode::relit;
+    if (moved) frameScene();
+}
+
+void Editor::Impl::tellEstimates() {
+    const Version& now = history.present();
+    self.state.curves = {};
+    if (now.distantOnly) self.state.curves[1].entries = now.distantOnly->timeline;
+    if (now.estimate) self.state.curves[now.estimate->mode == "distant-only" ? 1 : 0].entries = now.estimate->timeline;
+    self.state.plan = now.estimate ? now.estimate->plan : SolvePlan{};
+}
+
+void Editor::Impl::tellCheck() {
+    if (!self.state.document.check) return;
+    // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
+    const CaptureCheck& check = *self.state.document.check;
+    if (check.lookBackwards || check.upAgreement < 0.3 || check.seenFraction < 0.3 || check.exposureSpreadStops > 0.5)
+        self.state.panels.doctor = true;
+    for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
 }
 
 }  // namespace relamp::ui

@@ -20,6 +20,16 @@ namespace relamp::ui {
 /// What a background job leaves behind: a step that puts its result into the editor, on the window's thread.
 using Finish = std::function<void()>;
 
+/// A capture as it was read, with what was computed from it: Version::inputs.
+struct CaptureInputs {
+    CaptureFix fix;
+    std::shared_ptr<const Capture> capture;
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const RadianceSamples> samples;
+    std::shared_ptr<const CaptureCheck> check;
+    static std::shared_ptr<const CaptureInputs> of(const Document& document);
+};
+
 struct Editor::Impl {
     using Clock = std::chrono::steady_clock;
     Impl(Editor& editor, EditorOptions editorOptions);
@@ -95,7 +105,7 @@ struct Editor::Impl {
     // ---- the plate
     PlatePlayer plates;
     RelitPlates relitPlates;
-    std::shared_ptr<const PlateImage> relitNow;  ///< of the present look and frame, once nothing moves
+    std::shared_ptr<const PlateImage> relitNow;                ///< of the present look and frame, once nothing moves
     std::vector<std::shared_ptr<const OpenPlate>> openPlates;  ///< the last ones, so that undo has them at once
     std::unique_ptr<Job<std::shared_ptr<const OpenPlate>>> plateOpening;
     /// Opens what the look names, and asks for the image of the present frame.
@@ -141,8 +151,17 @@ struct Editor::Impl {
 
     void start(JobStatus::Kind kind, const std::string& title, std::function<Finish(Progress&)> work,
                std::function<void(bool)> onEnd = {});
-    void openCapture(const std::filesystem::path& folder, const CaptureFix& fix = {},
-                     std::optional<FoundWork> recovered = {});
+    void openCapture(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {});
+    /// Reads the open capture anew; what comes of it is one entry of the history.
+    void readAgain(const CaptureFix& fix, const std::string& label);
+    /// The present entry's inputs become the document's, where they are others.
+    void followHistory();
+    /// To another entry of the history, unless that has other inputs while a job works on these.
+    void goToEntry(size_t entry);
+    /// Curves and plan of the present entry's estimates.
+    void tellEstimates();
+    /// Brings the check of the capture up where an estimate would be spoilt.
+    void tellCheck();
     /// `saved` is what is on disk, with the estimate that the work was made on.
     void showRecovered(const FoundWork& found, Version saved);
     void openShotFolder(const std::filesystem::path& folder, std::optional<FoundWork> recovered = {},

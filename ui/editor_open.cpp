@@ -200,10 +200,6 @@ void Editor::answerLocked(LockedAnswer answer) {
 void Editor::Impl::setDocument(Document document, Version version, const std::string& label) {
     EditorState& ours = self.state;
     const bool solved = version.estimate || version.distantOnly;
-    ours.curves = {};
-    if (version.estimate)
-        ours.curves[version.estimate->mode == "distant-only" ? 1 : 0].entries = version.estimate->timeline;
-    ours.plan = version.estimate ? version.estimate->plan : SolvePlan{};
     ours.solve.quality = document.quality;
     ours.solve.seed = document.seed;
     if (ours.document.captureFolder != document.captureFolder) {
@@ -212,8 +208,10 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     }
     solvedWith.reset();
     if (solved) solvedWith = ours.solve;
+    version.inputs = CaptureInputs::of(document);
     history = History(std::move(version), label);
     history.markSaved();
+    tellEstimates();
     emittersOfEstimate.reset();
     emittersRevision = timedRevision = 0;
     playback = {};
@@ -259,20 +257,9 @@ void Editor::Impl::setDocument(Document document, Version version, const std::st
     frameScene();
     remember(ours.recent, documentPath());
     saveSettings(options.configFolder, ours);  // a crash forgets nothing
-    if (ours.document.check && !solved) {
-        // Only what would spoil an estimate interrupts; the rest stands in the inspector and under File.
-        const CaptureCheck& check = *ours.document.check;
-        if (check.lookBackwards || check.upAgreement < 0.3 || check.seenFraction < 0.3 ||
-            check.exposureSpreadStops > 0.5)
-            ours.panels.doctor = true;
-        for (const std::string& warning : check.warnings) self.log(LogLevel::warning, warning);
-    }
+    if (!solved) tellCheck();
     self.log(LogLevel::info, fmt::format("{}: {} views, {} vertices", documentPath().string(),
                                          ours.document.capture->views.size(), ours.document.scene->mesh.vertexCount()));
-}
-
-void Editor::fixCapture(const CaptureFix& fix) {
-    if (!impl_->job && state.document.capture) impl_->openCapture(state.document.captureFolder, fix);
 }
 
 void Editor::Impl::frameScene() {
@@ -295,11 +282,11 @@ void Editor::Impl::frameScene() {
     }
 }
 
-void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, std::optional<FoundWork> recovered) {
+void Editor::Impl::openCapture(const fs::path& folder, std::optional<FoundWork> recovered) {
     start(
         JobStatus::Kind::open, "Opening " + folder.filename().string(),
-        [this, folder, fix, recovered](Progress& progress) -> Finish {
-            const auto document = std::make_shared<Document>(correctedDocument(folder, fix, progress));
+        [this, folder, recovered](Progress& progress) -> Finish {
+            const auto document = std::make_shared<Document>(correctedDocument(folder, {}, progress));
             const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
             return [this, document, recovered, stopped] {
                 setDocument(std::move(*document), {}, "Opened");
@@ -311,8 +298,26 @@ void Editor::Impl::openCapture(const fs::path& folder, const CaptureFix& fix, st
         [this](bool) { goOnWhenOpen.clear(); });
 }
 
+void Editor::Impl::readAgain(const CaptureFix& fix, const std::string& label) {
+    const fs::path folder = self.state.document.captureFolder;
+    start(JobStatus::Kind::open, "Reading " + folder.filename().string() + " again",
+          [this, folder, fix, label](Progress& progress) -> Finish {
+              const auto document = std::make_shared<const Document>(correctedDocument(folder, fix, progress));
+              const std::optional<InterruptedEstimate> stopped = interruptedFor(*document, options.stateFolder);
+              return [this, document, label, stopped] {
+                  Version version;
+                  version.inputs = CaptureInputs::of(*document);
+                  history.push(label, std::move(version));
+                  followHistory();
+                  tellCheck();
+                  offerInterrupted(stopped);
+              };
+          });
+}
+
 void Editor::Impl::showRecovered(const FoundWork& found, Version saved) {
     // It counts as unsaved until the user saves it, and stays where it was found until our own autosave holds it.
+    saved.inputs = history.present().inputs;
     Version work = saved;
     saved.estimate.reset();
     history = History(std::move(saved), "Last saved");

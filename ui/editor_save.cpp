@@ -194,16 +194,19 @@ void Editor::Impl::writeAutosave() {
     AutosavedWork work;
     work.captureFolder = self.state.document.captureFolder;
     work.shotFolder = self.state.document.shotFolder;
-    const auto& present = history.present().estimate;
-    if (present && present == autosavedEstimate && present != savedEstimate) work.estimateShot = autosavedFolder;
-    work.look = self.look();
+    // A capture that was just read anew has no estimate yet: what would be lost is the work before that.
+    const std::vector<HistoryEntry>& entries = history.entries();
+    size_t last = history.index();
+    while (last > 0 && !entries[last].version.estimate) --last;
+    if (!entries[last].version.estimate) last = history.index();
+    const auto& worked = entries[last].version.estimate;
+    if (worked && worked == autosavedEstimate && worked != savedEstimate) work.estimateShot = autosavedFolder;
+    work.look = last == history.index() ? self.look() : entries[last].version.look;
     // Undo comes back as well, as far as it leads on the same estimate.
     constexpr size_t mostSteps = 50;
-    const std::vector<HistoryEntry>& entries = history.entries();
-    size_t first = history.index();
-    while (first > 0 && history.index() - first + 1 < mostSteps && entries[first - 1].version.estimate == present)
-        --first;
-    for (size_t i = first; i <= history.index(); ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
+    size_t first = last;
+    while (first > 0 && last - first + 1 < mostSteps && entries[first - 1].version.estimate == worked) --first;
+    for (size_t i = first; i <= last; ++i) work.steps.push_back({entries[i].label, entries[i].version.look});
     if (status && status->kind == JobStatus::Kind::solve)
         work.stage = status->title + (status->stage.empty() ? "" : ", " + status->stage);
     lastAutosave = seconds();
@@ -246,7 +249,15 @@ void Editor::Impl::pollAutosave() {
 }
 
 bool Editor::unsavedChanges() const {
-    return state.document.capture && (history().unsavedChanges() || impl_->changesBeside != impl_->savedBeside);
+    if (!state.document.capture) return false;
+    // A capture that was read otherwise before anything was estimated is nothing that could be lost.
+    const auto worth = [](const HistoryEntry& entry) {
+        const Version& version = entry.version;
+        return version.estimate || version.distantOnly || !(version.look == Look{});
+    };
+    const std::vector<HistoryEntry>& entries = history().entries();
+    return impl_->changesBeside != impl_->savedBeside ||
+           (history().unsavedChanges() && std::any_of(entries.begin(), entries.end(), worth));
 }
 
 void Editor::Impl::offerLostWork() {
@@ -272,7 +283,7 @@ void Editor::answerRecovery(bool restore) {
     if (!shot.empty()) {
         impl_->openShotFolder(shot, found);
     } else {
-        impl_->openCapture(work.captureFolder, {}, found);
+        impl_->openCapture(work.captureFolder, found);
     }
 }
 

@@ -10,17 +10,25 @@ History::History(Version start, std::string label, size_t capacity) : capacity_(
 void History::push(const std::string& label, Version version) {
     commit();
     const Version& now = entries_[index_].version;
-    if (version.look == now.look && version.estimate == now.estimate && version.distantOnly == now.distantOnly) return;
+    if (!version.inputs) version.inputs = now.inputs;
+    if (version.look == now.look && version.estimate == now.estimate && version.distantOnly == now.distantOnly &&
+        version.inputs == now.inputs)
+        return;
     entries_.resize(index_ + 1);
     serials_.resize(index_ + 1);
     entries_.push_back({std::move(version), label, std::chrono::system_clock::now()});
     serials_.push_back(nextSerial_++);
-    if (entries_.size() > capacity_) {
-        entries_.erase(entries_.begin());
-        serials_.erase(serials_.begin());
-    }
+    dropOldest();
     index_ = entries_.size() - 1;
     ++revision_;
+}
+
+void History::dropOldest() {
+    size_t first = entries_.size() > capacity_ ? entries_.size() - capacity_ : 0, others = 0;
+    for (size_t i = entries_.size() - 1; i > first; --i)
+        if (entries_[i - 1].version.inputs != entries_[i].version.inputs && ++others > mostInputs) first = i;
+    entries_.erase(entries_.begin(), entries_.begin() + std::ptrdiff_t(first));
+    serials_.erase(serials_.begin(), serials_.begin() + std::ptrdiff_t(first));
 }
 
 void History::pushLook(const std::string& label, Look look) {

@@ -16,7 +16,11 @@ struct Version {
     Look look;
     std::shared_ptr<const Estimate> estimate;     ///< null before the first solve
     std::shared_ptr<const Estimate> distantOnly;  ///< the baseline's estimate, for comparison; null until solved
+    /// What estimate and look were made on, of a type that the owner knows; pushed null: as of the present entry. It is
+    /// large, so entries go that lead back over more than `mostInputs` others.
+    std::shared_ptr<const void> inputs{};
 };
+inline constexpr size_t mostInputs = 2;
 
 struct HistoryEntry {
     Version version;
@@ -70,6 +74,8 @@ private:
     size_t index_ = 0, capacity_;
     uint64_t nextSerial_ = 1, savedSerial_ = 0, revision_ = 1;
     std::unique_ptr<Gesture> gesture_;
+    /// Those that are too many, the oldest first.
+    void dropOldest();
 };
 
 }  // namespace relamp

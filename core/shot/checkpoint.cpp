@@ -12,11 +12,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char magic[8] = {'r', 'e', 'l', 'a', 'm', 'p', 'C', 'P'};
-constexpr uint32_t formatVersion = 14;
+constexpr uint32_t formatVersion = 15;
 
 struct CheckpointHeader {
     char magic[8];
-    uint32_t version = 0, reserved = 0;
+    uint32_t version = 0, layout = 0;
     uint64_t fingerprint = 0, size = 0, hash = 0;
 };
 
@@ -116,6 +116,7 @@ void writeCheckpoint(const fs::path& file, uint64_t fingerprint, const SolveChec
     CheckpointHeader header;
     std::memcpy(header.magic, magic, sizeof magic);
     header.version = formatVersion;
+    header.layout = checkpointLayout();
     header.fingerprint = fingerprint;
     header.size = payload.size();
     header.hash = hashOf(payload);
@@ -141,7 +142,8 @@ FoundCheckpoint readCheckpoint(const fs::path& file, uint64_t fingerprint) {
         if (bytes.size() < sizeof header) return refuse("is no checkpoint, or a damaged one");
         std::memcpy(&header, bytes.data(), sizeof header);
         if (std::memcmp(header.magic, magic, sizeof magic) != 0) return refuse("is no checkpoint, or a damaged one");
-        if (header.version != formatVersion) return refuse("was written by another version of relamp");
+        if (header.version != formatVersion || header.layout != checkpointLayout())
+            return refuse("was written by another version of relamp");
         const std::string payload = bytes.substr(sizeof header);
         if (payload.size() != header.size || hashOf(payload) != header.hash) return refuse("is damaged");
         if (header.fingerprint != fingerprint)

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "base/random.h"
+
 namespace relamp {
 namespace {
 
@@ -21,6 +23,26 @@ public:
         return present;
     }
     void block(void* data, size_t size) { bytes.append(static_cast<const char*>(data), size); }
+    static constexpr bool everything = false;
+};
+
+/// Passes over the fields of one of everything, and tells how large each is, in order.
+class FieldLayout {
+public:
+    uint64_t mixed = 0;
+    template <class T>
+    void plain(T&) {
+        add(sizeof(T));
+    }
+    size_t count(size_t present) {
+        add(1 << 20);
+        return std::max<size_t>(present, 1);
+    }
+    void block(void*, size_t size) { add(size); }
+    static constexpr bool everything = true;
+
+private:
+    void add(uint64_t size) { mixed = mixBits(mixed ^ size) + 0x9e3779b97f4a7c15ull; }
 };
 
 class FieldReader {
@@ -50,6 +72,7 @@ public:
         at_ += size;
     }
     bool atEnd() const { return at_ == bytes_.size(); }
+    static constexpr bool everything = false;
 
 private:
     const std::string& bytes_;
@@ -131,8 +154,8 @@ void fields(File& f, Lobe& lobe, bool insideMixture) {
     f.plain(lobe.alpha);
     fields(f, lobe.name);
     listOf(f, lobe.parts, [&](Lobe& part) {
-        if (insideMixture) throw Error("a mixture inside a mixture");
-        fields(f, part, true);
+        if (insideMixture && !File::everything) throw Error("a mixture inside a mixture");
+        if (!insideMixture) fields(f, part, true);
     });
     f.plain(lobe.fraction);
 }
@@ -140,7 +163,7 @@ void fields(File& f, Lobe& lobe, bool insideMixture) {
 template <class File>
 void fields(File& f, ComponentGloss& g) {
     f.plain(g.component);
-    uint8_t has = g.lobe ? 1 : 0;
+    uint8_t has = g.lobe || File::everything ? 1 : 0;
     f.plain(has);
     if (has) {
         if (!g.lobe) g.lobe.emplace();
@@ -247,6 +270,13 @@ std::string checkpointBytes(const SolveCheckpoint& checkpoint) {
     SolveCheckpoint copy = checkpoint;
     fields(writer, copy);
     return std::move(writer.bytes);
+}
+
+uint32_t checkpointLayout() {
+    FieldLayout layout;
+    SolveCheckpoint one;
+    fields(layout, one);
+    return uint32_t(layout.mixed >> 32) | 1;
 }
 
 SolveCheckpoint checkpointFromBytes(const std::string& bytes) {

@@ -43,6 +43,8 @@ struct SolveCheckpoint {
 
 /// A sequence of bytes for this machine's byte order.
 std::string checkpointBytes(const SolveCheckpoint& checkpoint);
+/// Of the sizes of all fields, in order: bytes of another layout were written by another program. Never 0.
+uint32_t checkpointLayout();
 /// Throws Error when the bytes end early or hold what cannot be.
 SolveCheckpoint checkpointFromBytes(const std::string& bytes);
 

@@ -117,5 +117,36 @@ TEST(History, aFinishedSolveIsAnEntryThatUndoTakesBack) {
     EXPECT_FALSE(history.present().estimate);
 }
 
+TEST(History, InputsComeBackWithTheirEntryAndLeadBackOverTwoOthersAtMost) {
+    const auto inputs = [](int n) { return std::make_shared<const int>(n); };
+    const auto now = [](const History& h) { return *static_cast<const int*>(h.present().inputs.get()); };
+    Version start;
+    start.inputs = inputs(0);
+    History history(start);
+    const auto push = [&](int n) {
+        Version version;
+        version.inputs = inputs(n);
+        history.push("read", version);
+    };
+    push(1);
+    EXPECT_EQ(history.entries().size(), 2u) << "other inputs alone are an entry";
+    history.pushLook("edit", yaw(2));
+    EXPECT_EQ(now(history), 1) << "an edit is made on the present inputs";
+    history.undo();
+    history.undo();
+    EXPECT_EQ(now(history), 0);
+    history.redo();
+    history.redo();
+    EXPECT_EQ(now(history), 1);
+    push(2);
+    EXPECT_EQ(history.entries().size(), 4u);
+    push(3);
+    ASSERT_EQ(history.entries().size(), 4u) << "the entry on inputs 0 has gone";
+    EXPECT_EQ(history.index(), 3u);
+    for (int i = 0; i < 3; ++i) history.undo();
+    EXPECT_EQ(now(history), 1);
+    EXPECT_FALSE(history.canUndo());
+}
+
 }  // namespace
 }  // namespace relamp

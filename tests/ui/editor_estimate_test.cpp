@@ -214,12 +214,62 @@ TEST(Editor, aSearchForAnUnobservedEmitterCanBeStoppedAndAnEmitterTakenAwayAgain
     s.editor->fixCapture(fix);
     s.until([&] { return !s.editor->job(); });
     EXPECT_EQ(s.editor->state.document.scene->mesh.vertexCount(), vertices + proxyVertices);
+    EXPECT_FALSE(s.editor->unsavedChanges()) << "nothing was estimated that could be lost";
     s.editor->removeProxy(1);
     EXPECT_FALSE(s.editor->job());
     s.editor->removeProxy(0);
-    s.until([&] { return !s.editor->job(); });
+    EXPECT_FALSE(s.editor->job()) << "the capture without it is still there";
     EXPECT_EQ(s.editor->state.document.scene->mesh.vertexCount(), vertices);
     EXPECT_TRUE(s.editor->state.document.fix.proxies.empty());
+}
+
+TEST(Editor, aCaptureThatIsReadOtherwiseIsOneEntryWithItsEstimate) {
+    Session s(0);
+    s.openEstimated();
+    Editor& editor = *s.editor;
+    const size_t vertices = editor.state.document.scene->mesh.vertexCount();
+    editor.edit("turn", [](Look& look) { look.environment.yawDegrees = 30; });
+    const auto before = editor.history().present();
+    const std::filesystem::path shot = editor.state.document.shotFolder;
+    ASSERT_FALSE(shot.empty());
+    CaptureFix fix = editor.state.document.fix;
+    fix.proxies.push_back({{0.4f, 0.2f, 1.1f}, 0.02f, Vec3(0), true});
+    editor.fixCapture(fix, "Find off-camera light");
+    s.until([&] { return !editor.job(); });
+    EXPECT_EQ(editor.history().entries().back().label, "Find off-camera light");
+    EXPECT_FALSE(editor.estimate());
+    EXPECT_EQ(editor.state.viewport.mode, ViewMode::photograph);
+    EXPECT_EQ(editor.state.document.shotFolder, shot) << "saving goes where it went";
+    EXPECT_TRUE(editor.unsavedChanges());
+    // While a job works on these inputs there is no way to others.
+    editor.solve(editor.state.solve);
+    editor.undo();
+    ASSERT_EQ(editor.state.notices.size(), 1u);
+    editor.state.notices.clear();
+    EXPECT_EQ(editor.state.document.scene->mesh.vertexCount(), vertices + proxyVertices);
+    s.until([&] { return !editor.job(); });
+    const auto with = editor.estimate();
+    ASSERT_TRUE(with);
+    EXPECT_EQ(editor.history().entries().size(), 4u);
+    editor.undo();
+    editor.undo();
+    EXPECT_EQ(editor.estimate(), before.estimate);
+    EXPECT_EQ(editor.look(), before.look);
+    EXPECT_EQ(editor.state.document.scene->mesh.vertexCount(), vertices);
+    EXPECT_TRUE(editor.state.document.fix.proxies.empty());
+    EXPECT_EQ(editor.state.viewport.mode, ViewMode::relit);
+    editor.setEye(eyeAt(64, 48), false);
+    s.until([&] { return editor.liveFrame() && editor.liveFrame()->mesh->vertexCount() == vertices; });
+    editor.goTo(3);
+    EXPECT_EQ(editor.estimate(), with);
+    EXPECT_EQ(editor.state.document.fix.proxies.size(), 1u);
+    s.until([&] { return editor.liveFrame()->mesh->vertexCount() == vertices + proxyVertices; });
+    // What is saved then can be opened: the light is in the mesh.
+    editor.saveAs(s.folder / "with.relamp");
+    s.until([&] { return !editor.unsavedChanges(); });
+    s.open(s.folder / "with.relamp");
+    EXPECT_EQ(editor.state.document.scene->mesh.vertexCount(), vertices + proxyVertices);
+    EXPECT_EQ(editor.state.document.fix.proxies.size(), 1u);
 }
 
 }  // namespace

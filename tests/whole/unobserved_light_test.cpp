@@ -8,35 +8,17 @@
 #include "base/parallel.h"
 #include "pipeline/pipeline.h"
 #include "shot/shot_file.h"
-#include "support/known_world.h"
+#include "support/hidden_emitter.h"
 
 namespace relamp {
 namespace {
 
-/// The known world, from whose mesh its emitter is taken and whose pixels on the emitter are unusable: its light is all
-/// that is left of it.
 struct DarkenedWorld {
     test::TemporaryFolder folder;
     test::KnownWorld truth;
     explicit DarkenedWorld(bool emitter = true, const std::vector<float>& levels = {1}) {
         truth = test::paintKnownWorld(folder.path(), emitter, 10, 24, false, false, levels);
-        if (!emitter) return;
-        Mesh mesh = truth.mesh;
-        mesh.triangles.resize(truth.emitterTriangles.front());
-        mesh.positions.resize(truth.ballEnd);
-        mesh.normals.resize(truth.ballEnd);
-        writeVertexPly(folder.path() / "mesh.ply", mesh, {});
-        truth.albedo.resize(truth.ballEnd);
-        for (int i = 0; i < truth.views * int(levels.size()); ++i) {
-            const std::filesystem::path file = folder.path() / fmt::format("images/{:02}.exr", i);
-            Image image = readImage(file);
-            for (Rgb& p : image.pixels)
-                if (maxChannel(p) > 15) p = Rgb(std::numeric_limits<float>::quiet_NaN());
-            // The back of the emitter is black, and so are no other pixels.
-            for (Rgb& p : image.pixels)
-                if (maxChannel(p) == 0) p = Rgb(std::numeric_limits<float>::quiet_NaN());
-            writeImage(file, image);
-        }
+        if (emitter) test::hideEmitter(folder.path(), truth, levels.size());
     }
     PipelineResult solve(const PipelineOptions& given) const {
         PipelineOptions options = given;

@@ -247,7 +247,9 @@ void drawUnobservedLights(Editor& editor) {
         if (button("Find off-camera light",
                    "A light outside all photographs leaves shading that falls off and shadows: tries places for it, up "
                    "to a minute. Where one is found, a small sphere joins the scene, "
-                   "and its power is estimated with the rest. The present estimate and its edits then go.",
+                   "and its power is estimated with the rest. The present estimate and its edits then go; undo brings "
+                   "them "
+                   "back.",
                    -FLT_MIN))
             editor.findUnobservedLight();
         ImGui::EndDisabled();
@@ -266,7 +268,9 @@ void drawUnobservedLights(Editor& editor) {
                     ? shown(last.words)
                     : "It stands in the mesh as a small sphere; the estimate finds its power");
         ImGui::BeginDisabled(job.has_value());
-        if (button("Remove", "Reads the capture again without this light; the present estimate and its edits then go",
+        if (button("Remove",
+                   "Takes this light away. The estimate from before it comes back; where there is none, the capture is "
+                   "read again. Can be undone.",
                    -FLT_MIN))
             editor.removeProxy(i);
         ImGui::EndDisabled();

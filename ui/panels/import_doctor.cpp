@@ -98,7 +98,9 @@ void axes(Editor& editor, const CaptureCheck& check) {
         change(now.up, flip);
     ImGui::EndDisabled();
     if (editor.estimate())
-        dimWrapped("A change here reads the capture again; the present estimate and its edits then go.");
+        dimWrapped(
+            "A change here reads the capture again; the present estimate and its edits then go. Undo brings them "
+            "back.");
     if (wanted) editor.fixCapture(*wanted);
 }
 

@@ -132,11 +132,11 @@ void drawStatePatterns(Editor& editor) {
             wanted.registration = {};
             wanted.mend = {};
             wanted.photometric = {};
-            editor.fixCapture(wanted);
+            editor.fixCapture(wanted, "Lighting states");
         }
         ImGui::EndDisabled();
         if (!fault.empty()) warningText(fault);
-        else if (editor.estimate()) dimWrapped("The present estimate and its edits then go.");
+        else if (editor.estimate()) dimWrapped("The present estimate and its edits then go; undo brings them back.");
     }
     ImGui::EndDisabled();
 }
