@@ -30,11 +30,16 @@ constexpr double upright = 0.7;                        ///< cosine of its normal
 
 class SlabSearch {
 public:
-    SlabSearch(const Scene& scene, const Capture& capture, const RadianceSamples& samples)
-        : scene_(scene), capture_(capture), past_(scene, capture, samples), views_(scene, capture, past_.floor()) {}
+    SlabSearch(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+               const std::vector<uint8_t>& isLight)
+        : scene_(scene),
+          capture_(capture),
+          isLight_(isLight),
+          past_(scene, capture, samples),
+          views_(scene, capture, past_.floor()) {}
 
-    SlabSides result(const std::vector<uint8_t>& isLight) {
-        for (const StraightRim& rim : straightRims(scene_, isLight))
+    SlabSides result() {
+        for (const StraightRim& rim : straightRims(scene_, isLight_))
             if (const std::optional<StraightRim> edge = shownEdge(views_, rim)) rims_.push_back(*edge);
         if (rims_.empty()) return {};
         double spacing = 0;
@@ -177,7 +182,9 @@ private:
     void trim(SlabSides& found) const {
         const Mesh& mesh = scene_.mesh;
         std::vector<int> outer(mesh.vertexCount(), -1);
-        parallelFor(outer.size(), 1024, [&](size_t v) { outer[v] = beyondWhich(DVec3(mesh.positions[v])); });
+        parallelFor(outer.size(), 1024, [&](size_t v) {
+            if (!isLight_[v]) outer[v] = beyondWhich(DVec3(mesh.positions[v]));
+        });
         Mesh kept;
         kept.positions = mesh.positions;
         for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -192,7 +199,7 @@ private:
             for (const uint32_t v : t) used[v] = 1;
         const std::vector<uint8_t> rimVertex = rimVertices(kept);
         for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
-            if (!used[v]) continue;
+            if (!used[v] || isLight_[v]) continue;
             const DVec3 p(mesh.positions[v]);
             int at = outer[v];
             for (size_t i = 0; i < rims_.size() && at < 0 && rimVertex[v]; ++i) {
@@ -214,7 +221,7 @@ private:
         for (const uint32_t t : found.removed)
             for (const uint32_t v : mesh.triangles[t]) hung[piece[v]] = 1;
         for (uint32_t v = 0; v < piece.size(); ++v)
-            if (hung[piece[v]] && !hangsOut(DVec3(mesh.positions[v]))) inside[piece[v]] = 1;
+            if (hung[piece[v]] && (isLight_[v] || !hangsOut(DVec3(mesh.positions[v])))) inside[piece[v]] = 1;
         const auto goes = [&](const Triangle& t) { return hung[piece[t[0]]] && !inside[piece[t[0]]]; };
         for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
             if (goes(mesh.triangles[t])) found.removed.push_back(t);
@@ -239,8 +246,9 @@ private:
             if (depth_[i] == 0 || glm::dot(normal, rim.up) > upright) continue;
             if (std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
                     const DVec3 p(scene_.mesh.positions[v]);
-                    return std::abs(rim.beyond(p)) < flush * rim.spacing && rim.above(p) < 0.5 * rim.spacing &&
-                           rim.above(p) > -depth_[i] - flush * rim.spacing && along(rim, p, flush * rim.spacing);
+                    return !isLight_[v] && std::abs(rim.beyond(p)) < flush * rim.spacing &&
+                           rim.above(p) < 0.5 * rim.spacing && rim.above(p) > -depth_[i] - flush * rim.spacing &&
+                           along(rim, p, flush * rim.spacing);
                 }))
                 return true;
         }
@@ -267,6 +275,7 @@ private:
 
     const Scene& scene_;
     const Capture& capture_;
+    const std::vector<uint8_t>& isLight_;
     const SeenPast past_;
     const EdgeViews views_;
     std::vector<StraightRim> rims_;
@@ -277,7 +286,7 @@ private:
 
 SlabSides slabSides(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                     const std::vector<uint8_t>& isLight) {
-    return SlabSearch(scene, capture, samples).result(isLight);
+    return SlabSearch(scene, capture, samples, isLight).result();
 }
 
 }  // namespace relamp

@@ -17,7 +17,8 @@ struct SlabSides {
 /// its lower edges are, which photographs show as lines alongside. Sides that the mesh has are replaced with them;
 /// where no lower edge is shown they stay, and what ends there is an edge without sides. `scene` is without its skirts,
 /// `samples` with them, because without one a side looks like background. `isLight`: per vertex, non-zero for those of
-/// emitters, which have no sides. O(trials x vertices + cells x views rays).
+/// emitters, which have no sides and stay as they are.
+/// O(trials x vertices + cells x views rays).
 SlabSides slabSides(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                     const std::vector<uint8_t>& isLight);
 
