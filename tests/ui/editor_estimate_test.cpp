@@ -263,7 +263,7 @@ TEST(Editor, aCaptureThatIsReadOtherwiseIsOneEntryWithItsEstimate) {
     editor.goTo(3);
     EXPECT_EQ(editor.estimate(), with);
     EXPECT_EQ(editor.state.document.fix.proxies.size(), 1u);
-    s.until([&] { return editor.liveFrame()->mesh->vertexCount() == vertices + proxyVertices; });
+    s.until([&] { return editor.liveFrame() && editor.liveFrame()->mesh->vertexCount() == vertices + proxyVertices; });
     // What is saved then can be opened: the light is in the mesh.
     editor.saveAs(s.folder / "with.relamp");
     s.until([&] { return !editor.unsavedChanges(); });
