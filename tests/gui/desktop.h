@@ -1,6 +1,7 @@
 // A real desktop for the real program: Xvfb, relamp-editor, xdotool for mouse and keys, screenshots. What the program
 // shows and does is read from the map it writes when RELAMP_ITEM_MAP is set.
 #pragma once
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -196,6 +197,34 @@ private:
     std::string display_;
     pid_t xvfb_ = 0, editor_ = 0;
 };
+
+/// What the window says of itself, for a failed test.
+inline std::string state(const Desktop& desk) {
+    nlohmann::json map = desk.map();
+    map.erase("items");
+    return map.dump();
+}
+
+struct Box {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+/// The image without the toolbar.
+inline Box imageOf(const Desktop& desk) {
+    const nlohmann::json item = desk.map()["items"].at("viewport");
+    return {item[0].get<int>() + 2, item[1].get<int>() + 2, item[2].get<int>() - 2, item[3].get<int>() - 2};
+}
+
+/// Only rounding differs: one of them went through a saved shot.
+inline void expectSameFrame(const std::filesystem::path& one, const std::filesystem::path& other) {
+    const Image a = readImage(one), b = readImage(other);
+    ASSERT_EQ(a.pixels.size(), b.pixels.size());
+    double sum = 0, error = 0;
+    for (size_t i = 0; i < b.pixels.size(); ++i) {
+        sum += double(luminance(b.pixels[i]));
+        error += double(std::abs(luminance(b.pixels[i]) - luminance(a.pixels[i])));
+    }
+    EXPECT_LT(error, 0.005 * sum);
+}
 
 /// Root mean square difference inside a rectangle (pixels), of values in [0, 1] linear.
 inline double differenceIn(const Image& a, const Image& b, int x0, int y0, int x1, int y1) {

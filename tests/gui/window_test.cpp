@@ -11,26 +11,15 @@
 namespace relamp {
 namespace {
 
+using test::Box;
 using test::Desktop;
+using test::expectSameFrame;
+using test::imageOf;
+using test::state;
 using Json = nlohmann::json;
 
 constexpr int width = 1280, height = 800;
 
-/// What the window says of itself, for a failed test.
-std::string state(const Desktop& desk) {
-    Json map = desk.map();
-    map.erase("items");
-    return map.dump();
-}
-
-struct Box {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-};
-/// The image without the toolbar.
-Box imageOf(const Desktop& desk) {
-    const Json item = desk.map()["items"].at("viewport");
-    return {item[0].get<int>() + 2, item[1].get<int>() + 2, item[2].get<int>() - 2, item[3].get<int>() - 2};
-}
 double differenceIn(const Image& a, const Image& b, const Box& box) {
     return test::differenceIn(a, b, box.x0, box.y0, box.x1, box.y1);
 }
@@ -44,18 +33,6 @@ double contrastIn(const Image& image, const Box& box) {
         for (int x = box.x0; x < box.x1; ++x) mean += image.at(x, y), ++count;
     std::fill(flat.pixels.begin(), flat.pixels.end(), mean / count);
     return differenceIn(image, flat, box);
-}
-
-/// Only rounding differs: one of them went through a saved shot.
-void expectSameFrame(const std::filesystem::path& one, const std::filesystem::path& other) {
-    const Image a = readImage(one), b = readImage(other);
-    ASSERT_EQ(a.pixels.size(), b.pixels.size());
-    double sum = 0, error = 0;
-    for (size_t i = 0; i < b.pixels.size(); ++i) {
-        sum += double(luminance(b.pixels[i]));
-        error += double(std::abs(luminance(b.pixels[i]) - luminance(a.pixels[i])));
-    }
-    EXPECT_LT(error, 0.005 * sum);
 }
 
 /// White in the lower left quarter.
