@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "capture/view_pixels.h"
 #include "radiance/background_cells.h"
 
 namespace relamp {
@@ -13,7 +14,7 @@ constexpr float fullContrast = 1;          ///< log ratio
 constexpr float leastAcross = 0.2f;        ///< the same, of an edge
 constexpr double leastPixelsAcross = 0.7;  ///< between what is compared
 constexpr double leastSlant = 0.15;        ///< cosine: grazing views tell nothing
-constexpr int halfPixels = 3;                  ///< on either side of an edge
+constexpr int halfPixels = 3;              ///< on either side of an edge
 constexpr double mostPixel = 3;            ///< spacings: views that show edges more coarsely tell nothing
 constexpr double strayPixels = 0.5;        ///< beyond which what a view shows is something else
 constexpr double withinEdge = 4;           ///< spacings from an edge: what must be seen
@@ -28,18 +29,7 @@ bool EdgeViews::hidden(const DVec3& eye, const DVec3& p, double slack) const {
 
 std::optional<Rgb> EdgeViews::shownAt(const View& view, const DVec3& p) const {
     const std::optional<Vec2> at = view.camera.project(p);
-    if (!at) return {};
-    const Image& image = view.image;
-    const int x = int(std::floor(at->x - 0.5f)), y = int(std::floor(at->y - 0.5f));
-    if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height) return {};
-    const float fx = at->x - 0.5f - float(x), fy = at->y - 0.5f - float(y);
-    Rgb sum(0);
-    for (int k = 0; k < 4; ++k) {
-        const int dx = k % 2, dy = k / 2;
-        if (!image.usableAt(x + dx, y + dy)) return {};
-        sum += (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy) * image.at(x + dx, y + dy);
-    }
-    return sum;
+    return at ? radianceAt(view, *at, true) : std::nullopt;
 }
 
 std::optional<float> EdgeViews::contrast(const View& view, const DVec3& p, const DVec3& q) const {

@@ -167,7 +167,7 @@ private:
         for (size_t i = 0; i < rims_.size(); ++i) {
             const StraightRim& rim = rims_[i];
             const double off = rim.beyond(p);
-            if (off > 0 && off < bandBeyond * rim.spacing && std::abs(rim.above(p)) < rimHeight(scene_) &&
+            if (off > 0 && off < bandBeyond * rim.spacing && std::abs(rim.above(p)) < heightBesideRim(scene_) &&
                 along(rim, p, bandBeyond * rim.spacing))
                 return int(i);
         }
@@ -205,7 +205,7 @@ private:
             for (size_t i = 0; i < rims_.size() && at < 0 && rimVertex[v]; ++i) {
                 const double off = -rims_[i].beyond(p);
                 if (off >= 0 && off < bandWithin * rims_[i].spacing &&
-                    std::abs(rims_[i].above(p)) < rimHeight(scene_) && along(rims_[i], p, 0))
+                    std::abs(rims_[i].above(p)) < heightBesideRim(scene_) && along(rims_[i], p, 0))
                     at = int(i);
             }
             if (at >= 0) found.moved.push_back({v, onEdge(rims_[size_t(at)], p)});
@@ -232,8 +232,8 @@ private:
     bool hangsOut(const DVec3& p) const {
         return std::any_of(rims_.begin(), rims_.end(), [&](const StraightRim& rim) {
             const double reach = 2 * bandBeyond * rim.spacing;
-            return rim.beyond(p) > -flush * rim.spacing && rim.beyond(p) < reach && rim.above(p) < rimHeight(scene_) &&
-                   rim.above(p) > -reach && along(rim, p, reach);
+            return rim.beyond(p) > -flush * rim.spacing && rim.beyond(p) < reach &&
+                   rim.above(p) < heightBesideRim(scene_) && rim.above(p) > -reach && along(rim, p, reach);
         });
     }
 

@@ -1,7 +1,6 @@
 #include "scene/straight_rim.h"
 
 #include <algorithm>
-#include <numeric>
 #include <unordered_map>
 
 #include "base/random.h"
@@ -141,7 +140,7 @@ std::vector<Piece> endsOf(const Scene& scene, const FaceOfEdge& faces, const Pla
             const auto other = faces.find(edgeKey(b, a));
             if (other == faces.end()) {
                 if (!rim[a] || !rim[b]) continue;  // a seam
-                if (std::max(std::abs(off(a)), std::abs(off(b))) > rimHeight(scene)) continue;
+                if (std::max(std::abs(off(a)), std::abs(off(b))) > heightBesideRim(scene)) continue;
                 if (glm::dot(DVec3(mesh.faceNormal(t)), plane.up) < bent) continue;
             } else {
                 if (!isFlat(t) || isFlat(other->second)) continue;
@@ -253,9 +252,16 @@ private:
     double spacing_, least_;
 };
 
+/// Where two lines of one surface meet; none where they are nearly parallel.
+std::optional<DVec3> cornerOf(const StraightRim& a, const StraightRim& b) {
+    const double slant = glm::dot(a.along(), b.out());
+    if (a.surface != b.surface || std::abs(slant) < 0.3) return {};
+    return a.from - b.beyond(a.from) / slant * a.along();
+}
+
 }  // namespace
 
-double rimHeight(const Scene& scene) { return double(rimTolerance * scene.diagonal); }
+double heightBesideRim(const Scene& scene) { return double(rimTolerance * scene.diagonal); }
 
 std::vector<StraightRim> straightRims(const Scene& scene, const std::vector<uint8_t>& leftOut) {
     const FaceOfEdge faces = facesOfEdges(scene.mesh);
@@ -291,12 +297,6 @@ std::vector<StraightRim> straightRims(const Scene& scene, const std::vector<uint
         }
     }
     return result;
-}
-
-std::optional<DVec3> cornerOf(const StraightRim& a, const StraightRim& b) {
-    const double slant = glm::dot(a.along(), b.out());
-    if (a.surface != b.surface || std::abs(slant) < 0.3) return {};
-    return a.from - b.beyond(a.from) / slant * a.along();
 }
 
 void joinCorners(std::vector<StraightRim>& rims, double reach) {

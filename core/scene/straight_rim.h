@@ -24,15 +24,12 @@ struct StraightRim {
 };
 
 /// How far a mesh may be off a flat surface beside its rim, metres.
-double rimHeight(const Scene& scene);
+double heightBesideRim(const Scene& scene);
 
 /// Planes that hold a twentieth of the mesh's area, and the lines along their rims (RANSAC, then least squares): a
 /// fifth of the surface's extent long, with rim over 30 % of it. Rims of other surfaces and crooked ones are none.
 /// Vertices of `leftOut` (non-zero: lights) are of none. O(trials x vertices).
 std::vector<StraightRim> straightRims(const Scene& scene, const std::vector<uint8_t>& leftOut);
-
-/// Where two lines of one surface meet; none where they are nearly parallel.
-std::optional<DVec3> cornerOf(const StraightRim& a, const StraightRim& b);
 
 /// Neighbours meet in their corner where one of their ends lies within `reach` metres of it and the other within a
 /// third of its line.

@@ -247,9 +247,7 @@ void drawUnobservedLights(Editor& editor) {
         if (button("Find off-camera light",
                    "A light outside all photographs leaves shading that falls off and shadows: tries places for it, up "
                    "to a minute. Where one is found, a small sphere joins the scene, "
-                   "and its power is estimated with the rest. The present estimate and its edits then go; undo brings "
-                   "them "
-                   "back.",
+                   "and its power is estimated with the rest. Undo brings the present estimate and its edits back.",
                    -FLT_MIN))
             editor.findUnobservedLight();
         ImGui::EndDisabled();

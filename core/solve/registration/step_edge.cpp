@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "capture/view_pixels.h"
+
 namespace relamp {
 namespace {
 
@@ -64,23 +66,6 @@ struct Models {
     }
 };
 
-/// Radiance between pixels; none where one does not count.
-std::optional<Rgb> radianceAt(const View& view, const Vec2& p) {
-    const float fx = p.x - 0.5f, fy = p.y - 0.5f;
-    const int x = int(std::floor(fx)), y = int(std::floor(fy));
-    if (x < 0 || y < 0 || x + 1 >= view.image.width || y + 1 >= view.image.height) return {};
-    Rgb sum(0);
-    for (int k = 0; k < 4; ++k) {
-        const int px = x + (k & 1), py = y + (k >> 1);
-        const Rgb& pixel = view.image.at(px, py);
-        if (!view.image.usableAt(px, py)) return {};
-        if (view.saturation > 0 && std::max({pixel.r, pixel.g, pixel.b}) >= view.saturation) return {};
-        const float right = fx - float(x), down = fy - float(y);
-        sum += ((k & 1) ? right : 1 - right) * ((k >> 1) ? down : 1 - down) * pixel;
-    }
-    return glm::max(sum, Rgb(0));
-}
-
 }  // namespace
 
 std::optional<Profile> profileAcross(const View& view, const Vec2& middle, const Vec2& outward, float floor) {
@@ -90,7 +75,8 @@ std::optional<Profile> profileAcross(const View& view, const Vec2& middle, const
     for (size_t j = 0; j < profileSize; ++j) {
         Rgb sum(0);
         for (int k = -1; k <= 1; ++k) {
-            const std::optional<Rgb> value = radianceAt(view, middle + profileAt(j) * outward + float(k) * beside);
+            const std::optional<Rgb> value =
+                radianceAt(view, middle + profileAt(j) * outward + float(k) * beside, false);
             if (!value) return {};
             sum += *value;
         }
