@@ -19,7 +19,7 @@ LightLink withoutPart(const LightLink& link, const Scene& scene, uint32_t seed) 
     if (seed >= scene.component.size()) return out;
     const bool named = dropPart(out, scene, seed);
     if (out.only && named && !out.parts.empty()) return out;
-    if (out.only && !named) return link;  // it does not fall there as it is
+    if (out.only != named) return link;  // it does not fall there as it is
     out.only = false;
     out.parts.push_back(seed);
     return out;
@@ -28,7 +28,7 @@ LightLink withoutPart(const LightLink& link, const Scene& scene, uint32_t seed) 
 LightLink onlyOnPart(const LightLink& link, const Scene& scene, uint32_t seed) {
     if (seed >= scene.component.size()) return link;
     LightLink out = link.only ? link : LightLink{true, {}};
-    dropPart(out, scene, seed);
+    if (dropPart(out, scene, seed)) return link;
     out.parts.push_back(seed);
     return out;
 }

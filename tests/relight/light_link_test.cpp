@@ -151,7 +151,7 @@ TEST(LightLink, IsEditedObjectByObject) {
     const Scene& scene = linkedTable()->scene;
     const uint32_t plate = linkedTable()->plate;
     EXPECT_EQ(withoutPart({}, scene, plate), (LightLink{false, {plate}}));
-    EXPECT_EQ(withoutPart({false, {plate}}, scene, plate + 5), (LightLink{false, {plate + 5}})) << "the same object";
+    EXPECT_EQ(withoutPart({false, {plate}}, scene, plate + 5), (LightLink{false, {plate}})) << "the same object";
     EXPECT_EQ(onlyOnPart({false, {0}}, scene, plate), (LightLink{true, {plate}}));
     EXPECT_EQ(onlyOnPart({true, {0}}, scene, plate), (LightLink{true, {0, plate}}));
     EXPECT_EQ(withoutPart({true, {0, plate}}, scene, plate), (LightLink{true, {0}}));

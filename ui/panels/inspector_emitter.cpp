@@ -204,6 +204,8 @@ void parts(Editor& editor, const EmitterState& emitter) {
         text(
             fmt::format("Object of {} points", count(size_t(std::count(scene->component.begin(), scene->component.end(),
                                                                        scene->component[part.seedVertex])))));
+        if (ImGui::IsItemHovered()) pointOut(part.seedVertex);
+        tooltip("The image frames it while the pointer is here");
         sameLineIfFits(buttonWidth("Detach"));
         if (button("Detach", "It stays where it is and follows the light no more")) detach = part.seedVertex;
         sameLineIfFits(buttonWidth("Put back"));

@@ -2,6 +2,7 @@
 #include "edit/link_edits.h"
 #include "panels/emitter_controls.h"
 #include "panels/inspector.h"
+#include "viewport/overlays.h"
 #include "widgets.h"
 
 namespace relamp::ui {
@@ -20,8 +21,11 @@ void inspectLink(Editor& editor, const EmitterState& emitter, const std::vector<
         text(fmt::format(
             "{} an object of {} points", emitter.link.only ? "Only on" : "Not on",
             count(size_t(std::count(scene->component.begin(), scene->component.end(), scene->component[seed])))));
+        if (ImGui::IsItemHovered()) pointOut(seed);
+        tooltip("The image frames it while the pointer is here");
         sameLineIfFits(buttonWidth("Forget"));
         if (button("Forget", "Takes this object off the list")) forget = seed;
+        if (ImGui::IsItemHovered()) pointOut(seed);
         ImGui::PopID();
     }
     const auto change = [&](const std::string& label, const std::function<LightLink(const LightLink&)>& made) {

@@ -131,12 +131,16 @@ bool runClickTask(Editor& editor, const std::optional<PickedPoint>& point, const
             const auto vertex = captureVertex();
             if (!vertex) return true;
             const auto changed = task == ClickTask::leaveOut ? withoutPart : onlyOnPart;
+            const size_t entry = editor.history().index();
             if (!ids.empty())
                 editor.edit(editLabelOf(task) + " " + editor.namesOf(ids), [&](Look& look) {
                     for (const std::string& id : ids)
                         if (const EmitterState* light = editor.emitter(id))
                             setLink(look, id, changed(light->link, *scene, *vertex));
                 });
+            if (editor.history().index() == entry)
+                editor.say(task == ClickTask::leaveOut ? "The light does not fall there as it is"
+                                                       : "The light falls on that object alone as it is");
             break;
         }
         case ClickTask::takeColour: {

@@ -298,7 +298,42 @@ void drawEmpty(const Canvas& canvas) {
                          nullptr, wrap);
 }
 
+namespace {
+
+struct PointedOut {
+    uint32_t vertex = 0;
+    int frame = -10;  ///< of ImGui
+};
+PointedOut& pointedOut() {
+    static PointedOut now;
+    return now;
+}
+
+void drawPointedOut(const Canvas& canvas) {
+    const auto& scene = canvas.editor->state.document.scene;
+    const auto live = canvas.editor->liveFrame();
+    const PointedOut& now = pointedOut();
+    if (ImGui::GetFrameCount() > now.frame + 1 || !scene || !live || now.vertex >= scene->component.size()) return;
+    // Where it is now: it may have been moved. Copies of it are not meant.
+    Vec2 low(1e9f), high(-1e9f);
+    for (size_t v = 0; v < std::min(live->mesh->vertexCount(), scene->component.size()); ++v)
+        if (scene->component[v] == scene->component[now.vertex])
+            if (const auto at = canvas.eye->toScreen(live->mesh->positions[v]))
+                low = glm::min(low, *at), high = glm::max(high, *at);
+    if (low.x > high.x) return;
+    low = glm::max(low - 4 * canvas.scale, canvas.eye->corner + 2.0f);
+    high = glm::min(high + 4 * canvas.scale, canvas.eye->corner + canvas.eye->size - 2.0f);
+    canvas.list->AddRect(toIm(low), toIm(high), IM_COL32(0, 0, 0, 160), 3 * canvas.scale, 0, 3.5f * canvas.scale);
+    canvas.list->AddRect(toIm(low), toIm(high), IM_COL32(255, 190, 110, 255), 3 * canvas.scale, 0, 1.6f * canvas.scale);
+    if (itemMapOn()) noteRect("pointed out", low, high);
+}
+
+}  // namespace
+
+void pointOut(uint32_t vertex) { pointedOut() = {vertex, ImGui::GetFrameCount()}; }
+
 void drawPickedPoint(const Canvas& canvas) {
+    drawPointedOut(canvas);
     const auto& point = canvas.editor->state.selection.point;
     if (!point) return;
     const auto at = canvas.eye->toScreen(point->position);

@@ -51,7 +51,10 @@ void moveDivider(const Canvas& canvas, int index, float screenX);
 void drawLegend(const Canvas& canvas);
 /// A calm sentence in the middle: nothing is open.
 void drawEmpty(const Canvas& canvas);
+/// And the object that a panel points out.
 void drawPickedPoint(const Canvas& canvas);
+/// Frames the object of this vertex of the capture's mesh in the next image: which one a line of a panel means.
+void pointOut(uint32_t vertex);
 /// What the armed click will do, in words: beside the mouse, in the inspector and in the status bar.
 const char* hintOf(ClickTask task);
 

@@ -136,6 +136,16 @@ TEST(ClickTasks, anObjectIsLeftOutOfALightAsOneEditThatUndoTakesBack) {
         ASSERT_EQ(p.light().link.parts.size(), 1u);
         EXPECT_EQ(component[p.light().link.parts[0]], component[point->vertex]);
         EXPECT_EQ(p.light().link.only, only);
+        // The same object at another place: no edit, but a word.
+        const size_t entries = editor.history().entries().size();
+        PickedPoint beside = *point;
+        beside.vertex = editor.state.document.scene->mesh.triangles[point->triangle][0] == point->vertex
+                            ? editor.state.document.scene->mesh.triangles[point->triangle][1]
+                            : editor.state.document.scene->mesh.triangles[point->triangle][0];
+        editor.state.viewport.clickTask = task;
+        EXPECT_TRUE(runClickTask(editor, beside, p.eye));
+        EXPECT_EQ(editor.history().entries().size(), entries);
+        EXPECT_NE(editor.state.message.find("as it is"), std::string::npos);
         editor.undo();
         EXPECT_TRUE(p.light().link.everything());
     }
