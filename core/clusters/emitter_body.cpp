@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/log.h"
 #include "base/random.h"
 #include "base/statistics.h"
 #include "clusters/follow_outlines.h"
@@ -22,6 +23,8 @@ constexpr double roundFirst = 0.01;     ///< overlap by which a box must be bett
 constexpr double worseOverlap = 0.005;  ///< by which the body that follows outlines may be worse
 constexpr double hiddenPrice = 0.05;    ///< of a hidden pixel: what nothing shows is not there without need
 constexpr double leastHalf = 0.25;      ///< pixels
+constexpr double mostOfPart = 0.7;      ///< of a body, that a view shows where something hides the rest
+constexpr double allButNoise = 0.95;    ///< of what it shows lies on the body then
 
 /// Slab test along one axis; narrows `chord`.
 void clipSlab(double from, double along, double half, glm::dvec2& chord) {
@@ -83,10 +86,25 @@ public:
             for (const OutlinePixel& p : view.pixels) shown_ += p.shows;
     }
     OutlineOverlap of(const EmitterBody& body) const {
-        return outlineOverlap(views_, slack_, [&](const DVec3& eye, const DVec3& direction) {
-            const glm::dvec2 chord = body.chord(eye, direction);
-            return chord.x <= chord.y ? chord.x : -1.0;
-        });
+        return outlineOverlap(views_, slack_,
+                              [&](const DVec3& eye, const DVec3& direction) { return hitOf(body, eye, direction); });
+    }
+    /// Views that show a part of the body and nothing beside it, as if something hid the rest.
+    std::vector<size_t> partOnly(const EmitterBody& body) const {
+        std::vector<size_t> views;
+        for (size_t i = 0; i < views_.size(); ++i) {
+            size_t shows = 0, disc = 0, both = 0;
+            for (const OutlinePixel& p : views_[i].pixels) {
+                const double hit = hitOf(body, views_[i].eye, DVec3(p.direction));
+                if (!p.shows && hit > 0 && double(p.depth) + slack_ < hit) continue;
+                shows += p.shows;
+                disc += hit > 0;
+                both += hit > 0 && p.shows;
+            }
+            if (double(both) < mostOfPart * double(disc) && double(both) > allButNoise * double(shows))
+                views.push_back(i);
+        }
+        return views;
     }
     double score(const EmitterBody& body) const {
         const OutlineOverlap o = of(body);
@@ -97,6 +115,11 @@ private:
     std::vector<OutlineView> views_;
     double slack_;
     size_t shown_ = 0;
+
+    static double hitOf(const EmitterBody& body, const DVec3& eye, const DVec3& direction) {
+        const glm::dvec2 chord = body.chord(eye, direction);
+        return chord.x <= chord.y ? chord.x : -1.0;
+    }
 };
 
 /// Ways to change a body by about `size` metres at its surface: moves, turns, each end.
@@ -173,7 +196,7 @@ std::vector<DVec3> visualHull(const Capture& capture, const RadianceSamples& sam
             const Camera& camera = capture.views[o.view].camera;
             const auto at = camera.project(p);
             if (!at || at->x < 0 || at->y < 0 || at->x >= float(camera.width) || at->y >= float(camera.height)) {
-                ++missed;
+                missed += !o.cut;
                 continue;
             }
             const size_t pixel = size_t(at->y) * size_t(camera.width) + size_t(at->x);
@@ -352,10 +375,39 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
     if (!best[chosen]) return {};
     EmitterBody body = *best[chosen];
     const OutlineOverlap o = fine.of(body);
+    body.partOnly = fine.partOnly(body);
     body.overlap = o.overlap();
     body.mostSeen = o.mostSeen;
     body.nextSeen = o.nextSeen;
     return body;
+}
+
+std::optional<EmitterBody> fitUnhidden(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                       const EmitterCluster& cluster, std::vector<EmitterOutline>& outlines) {
+    std::optional<EmitterBody> body = fitBody(scene, capture, samples, cluster, outlines);
+    if (!body || body->partOnly.empty() || explainsOutlines(*body, outlines) ||
+        4 * body->partOnly.size() > outlines.size())
+        return body;
+    for (auto i = body->partOnly.rbegin(); i != body->partOnly.rend(); ++i)
+        outlines.erase(outlines.begin() + std::ptrdiff_t(*i));
+    return fitBody(scene, capture, samples, cluster, outlines);
+}
+
+/// For a disc, length of the outline over its area is two over the radius.
+bool explainsOutlines(const EmitterBody& body, const std::vector<EmitterOutline>& outlines) {
+    double pixels = 0, sides = 0;
+    for (const EmitterOutline& o : outlines) {
+        pixels += double(o.pixels);
+        sides += double(o.boundaryLength) * piD / 4;
+    }
+    return double(body.overlap) > 0.95 - 0.35 * sides / std::max(1.0, pixels) && body.mostSeen > 0.8f &&
+           body.nextSeen > 0.5f;
+}
+
+std::string wordsOf(const EmitterBody& body) {
+    const DVec3 size = 2000.0 * body.half;
+    return body.round ? fmt::format("a tube of {:.0f} x {:.1f} mm", size.x, size.y)
+                      : fmt::format("a box of {:.0f} x {:.0f} x {:.1f} mm", size.x, size.y, size.z);
 }
 
 }  // namespace relamp

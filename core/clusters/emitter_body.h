@@ -2,6 +2,7 @@
 // and strips of which a reconstruction made a ridge, a bag or shreds.
 #pragma once
 #include <optional>
+#include <string>
 
 #include "clusters/emitter_sphere.h"
 
@@ -9,12 +10,13 @@ namespace relamp {
 
 /// A box, or a tube along the first axis with flat ends.
 struct EmitterBody {
-    bool round = false;                ///< a tube: half[1] == half[2] is its radius
-    DVec3 centre{0};                   ///< metres
-    glm::dmat3 axes{1};                ///< columns: unit, right-handed
-    DVec3 half{0};                     ///< metres along the axes
-    float overlap = 0;                 ///< of outlines and silhouettes, where nothing hides them
-    float mostSeen = 0, nextSeen = 0;  ///< of its silhouettes, the fraction that shows light, in the two best views
+    bool round = false;                 ///< a tube: half[1] == half[2] is its radius
+    DVec3 centre{0};                    ///< metres
+    glm::dmat3 axes{1};                 ///< columns: unit, right-handed
+    DVec3 half{0};                      ///< metres along the axes
+    float overlap = 0;                  ///< of outlines and silhouettes, where nothing hides them
+    float mostSeen = 0, nextSeen = 0;   ///< of its silhouettes, the fraction that shows light, in the two best views
+    std::vector<size_t> partOnly = {};  ///< of the outlines, those that show a part of it, as if something hid the rest
 
     /// Metres from `eye` to where the ray enters and leaves the body, blown up by `scale`; x > y: it misses.
     glm::dvec2 chord(const DVec3& eye, const DVec3& direction, double scale = 1) const;
@@ -31,5 +33,17 @@ struct EmitterBody {
 /// outlines x 2000), at most 30 000 of them.
 std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                    const EmitterCluster& cluster, const std::vector<EmitterOutline>& outlines);
+
+/// The same; if it does not explain the outlines, those that show a part of it only, a quarter at most, are taken out
+/// of `outlines`, and the rest fitted again. What hides a light there the mesh need not have: a wall seen from behind.
+std::optional<EmitterBody> fitUnhidden(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                       const EmitterCluster& cluster, std::vector<EmitterOutline>& outlines);
+
+/// Whether the body is what the outlines show: it overlaps them by 95 %, less where they are narrow, and one view shows
+/// most of it.
+bool explainsOutlines(const EmitterBody& body, const std::vector<EmitterOutline>& outlines);
+
+/// "a tube of 300 x 20.0 mm", "a box of 300 x 200 x 10.0 mm".
+std::string wordsOf(const EmitterBody& body);
 
 }  // namespace relamp

@@ -24,17 +24,6 @@ float meanRadius(const std::vector<EmitterOutline>& outlines) {
     return float(std::sqrt(pixels / std::max<double>(1, double(outlines.size())) / piD));
 }
 
-/// The same for a straight body: for a disc, length of the outline over its area is two over the radius.
-bool explains(const EmitterBody& body, const std::vector<EmitterOutline>& outlines) {
-    double pixels = 0, sides = 0;
-    for (const EmitterOutline& o : outlines) {
-        pixels += double(o.pixels);
-        sides += double(o.boundaryLength) * piD / 4;
-    }
-    return double(body.overlap) > 0.95 - 0.35 * sides / std::max(1.0, pixels) && body.mostSeen > 0.8f &&
-           body.nextSeen > 0.5f;
-}
-
 /// Whether the ball is what the outlines show. Cameras that are off by half a pixel cost small discs more. One view
 /// that shows all of the disc tells its size, and a quarter of it in another one how far away it is.
 bool explains(const EmitterSphere& ball, const std::vector<EmitterOutline>& outlines) {
@@ -122,40 +111,51 @@ EmitterCluster joined(const EmitterClusters& clusters, const std::vector<size_t>
 /// The tube or box that takes the emitter's place, if one explains the outlines clearly better than the mesh.
 std::optional<EmitterReplacement> replacementOf(const Scene& scene, const Capture& capture,
                                                 const RadianceSamples& samples, const EmitterClusters& clusters,
-                                                const EmitterCluster& e, const std::vector<EmitterOutline>& outlines) {
-    const float mesh = meshOverlap(samples, e, outlines);
-    const std::optional<EmitterBody> body = fitBody(scene, capture, samples, e, outlines);
+                                                const EmitterCluster& e, const std::vector<EmitterOutline>& all) {
+    std::vector<EmitterOutline> outlines = all;
+    const std::optional<EmitterBody> body = fitUnhidden(scene, capture, samples, e, outlines);
     if (!body) return {};
-    const DVec3 size = 2000.0 * body->half;
-    const std::string what = body->round ? fmt::format("a tube of {:.0f} x {:.1f} mm", size.x, size.y)
-                                         : fmt::format("a box of {:.0f} x {:.0f} x {:.1f} mm", size.x, size.y, size.z);
+    const float mesh = meshOverlap(samples, e, outlines);
+    const std::string what = wordsOf(*body);
     logInfo("{} covers {} of the pixels of a light at {}, the mesh {}; seen {} and {}", what, percent(body->overlap),
             placeOf(capture, e.centroid), percent(mesh), percent(body->mostSeen), percent(body->nextSeen));
-    if (!explains(*body, outlines) || !(body->overlap > mesh + clearlyBetter)) return {};
-    EmitterReplacement r;
-    r.body = *body;
-    std::set<uint32_t> removed;
-    r.setBack = ridgeSetBack(scene, e);
-    if (r.setBack.empty()) {
-        collectObstacles(scene, capture, samples, outlines, LightBody(*body, bodyMargin * double(scene.diagonal)),
-                         e.triangles, clusters.emitterOfTriangle, removed);
-        const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, *body, removed);
-        logInfo("{} triangles in the body's place go, and {} scraps that hang on them", removed.size(), scraps.size());
-        removed.insert(scraps.begin(), scraps.end());
-        groundUnder(scene, *body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);
-    }
-    r.removed.assign(removed.begin(), removed.end());
-    r.light = e;
-    r.was.centroid = Vec3(body->centre);
-    r.was.radius = float(glm::length(body->half));
-    r.was.overlap = mesh;
-    r.was.words =
+    if (!explainsOutlines(*body, outlines) || !(body->overlap > mesh + clearlyBetter)) return {};
+    EmitterReplacement r = replacedBy(
+        *body, scene, capture, samples, clusters, e, outlines, mesh,
         fmt::format("the mesh covers {} of what photographs show of a light at {}, {} covers {}: it takes its place",
-                    percent(mesh), placeOf(capture, e.centroid), what, percent(body->overlap));
+                    percent(mesh), placeOf(capture, e.centroid), what, percent(body->overlap)));
+    for (const EmitterOutline& o : all)
+        if (std::none_of(outlines.begin(), outlines.end(), [&](const auto& kept) { return kept.view == o.view; }))
+            r.was.hiddenIn.push_back(o.view);
     return r;
 }
 
 }  // namespace
+
+EmitterReplacement replacedBy(const EmitterBody& body, const Scene& scene, const Capture& capture,
+                              const RadianceSamples& samples, const EmitterClusters& clusters,
+                              const EmitterCluster& light, const std::vector<EmitterOutline>& outlines, float covered,
+                              std::string words) {
+    EmitterReplacement r;
+    r.body = body;
+    std::set<uint32_t> removed;
+    r.setBack = ridgeSetBack(scene, light);
+    if (r.setBack.empty()) {
+        collectObstacles(scene, capture, samples, outlines, LightBody(body, bodyMargin * double(scene.diagonal)),
+                         light.triangles, clusters.emitterOfTriangle, removed);
+        const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, body, removed);
+        logInfo("{} triangles in the body's place go, and {} scraps that hang on them", removed.size(), scraps.size());
+        removed.insert(scraps.begin(), scraps.end());
+        groundUnder(scene, body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);
+    }
+    r.removed.assign(removed.begin(), removed.end());
+    r.light = light;
+    r.was.centroid = Vec3(body.centre);
+    r.was.radius = float(glm::length(body.half));
+    r.was.overlap = covered;
+    r.was.words = std::move(words);
+    return r;
+}
 
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                          const EmitterClusters& clusters) {
@@ -184,7 +184,9 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     for (size_t k = 0; k < clusters.emitters.size(); ++k) {
         const EmitterCluster& e = clusters.emitters[k];
         if (e.unobserved || e.triangles.empty() || replaced[k]) continue;
-        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
+        std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
+        const bool cut = outlines.size() < 2;
+        if (cut) outlines = emitterOutlines(scene, capture, samples, clusters, e, true);
         if (outlines.size() < 2) continue;
         const float mesh = meshOverlap(samples, e, outlines);
         if (mesh >= wellCovered) continue;
@@ -197,6 +199,7 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
                 percent(mesh), placeOf(capture, e.centroid), 100 * ball->radius, percent(ball->overlap)));
             continue;
         }
+        if (cut) continue;
         if (std::optional<EmitterReplacement> body = replacementOf(scene, capture, samples, clusters, e, outlines)) {
             mend.bodies.push_back(std::move(*body));
             continue;
@@ -276,7 +279,10 @@ float overlapAfter(const EmitterMove& move, const Scene& scene, const Capture& c
     for (const EmitterCluster& e : clusters.emitters) {
         if (e.unobserved || e.fitted || e.triangles.empty() || glm::distance(e.centroid, move.centroid) > move.radius)
             continue;
-        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
+        std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
+        std::erase_if(outlines, [&](const EmitterOutline& o) {
+            return std::find(move.hiddenIn.begin(), move.hiddenIn.end(), o.view) != move.hiddenIn.end();
+        });
         if (outlines.size() >= 2) best = std::max(best, meshOverlap(samples, e, outlines));
     }
     return best;

@@ -16,6 +16,7 @@ struct EmitterMove {
     Vec3 centroid{0};                    ///< before
     float radius = 0;                    ///< of the sphere about it that holds the emitter
     float overlap = 0;                   ///< of its pixels and the mesh, before
+    std::vector<size_t> hiddenIn = {};   ///< views in which something hides a part of it: not asked
     std::string words;
 };
 
@@ -52,6 +53,13 @@ struct EmitterMend {
 /// Exact meshes stay as they are. O(pixels x emitters).
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                          const EmitterClusters& clusters);
+
+/// The body in the place of the light: what of the mesh it replaces, what it hid. `covered`: the overlap of the
+/// outlines and the mesh, `words`: why. O(pixels + triangles).
+EmitterReplacement replacedBy(const EmitterBody& body, const Scene& scene, const Capture& capture,
+                              const RadianceSamples& samples, const EmitterClusters& clusters,
+                              const EmitterCluster& light, const std::vector<EmitterOutline>& outlines, float covered,
+                              std::string words);
 
 /// Per side of the body, which is in the scene, 1 where most pixels that show it do not show its light, as on the back
 /// of a light with a housing. Pixels at a side's edge are not asked. O(pixels).

@@ -184,7 +184,8 @@ void judge(const Scene& scene, const Capture& capture, const RadianceSamples& sa
 }  // namespace
 
 std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                            const EmitterClusters& clusters, const EmitterCluster& cluster) {
+                                            const EmitterClusters& clusters, const EmitterCluster& cluster,
+                                            bool cutToo) {
     std::vector<EmitterOutline> result;
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const Camera& camera = capture.views[i].camera;
@@ -193,7 +194,8 @@ std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& c
         EmitterOutline outline;
         outline.view = i;
         outline.shows = emittingPixels(capture.views[i], cluster.radiance, pixelTolerance(cluster));
-        if (!keepConnected(box, camera.width, camera.height, outline.shows)) continue;
+        outline.cut = !keepConnected(box, camera.width, camera.height, outline.shows);
+        if (outline.cut && !cutToo) continue;
         DVec3 sum(0);
         for (int y = 0; y < camera.height; ++y)
             for (int x = 0; x < camera.width; ++x)

@@ -18,13 +18,15 @@ struct EmitterOutline {
     Vec2 centre{0};              ///< of its pixels
     std::vector<Vec2> boundary;  ///< pixel positions, at most 400
     size_t boundaryLength = 0;   ///< sides of pixels
+    bool cut = false;            ///< the photograph's frame cuts it
 };
 
 /// Outlines of the cluster in the views that show it whole: the connected pixels of its radiance that lie about the
-/// projection of its vertices. Views that show it at their border, in fewer than 8 pixels, or as one with another of
-/// `clusters` are left out. O(pixels x views).
+/// projection of its vertices. Views that show it at their border (but for `cutToo`), in fewer than 8 pixels, or as one
+/// with another of `clusters` are left out. O(pixels x views).
 std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                            const EmitterClusters& clusters, const EmitterCluster& cluster);
+                                            const EmitterClusters& clusters, const EmitterCluster& cluster,
+                                            bool cutToo = false);
 
 /// Whether photographs show both, of one radiance, in one piece: in three views, and in all but a fifth of those that
 /// show both. Lights that merely hide each other from some sides are apart in others. O(pixels).

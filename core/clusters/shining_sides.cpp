@@ -51,14 +51,15 @@ void letSidesShine(const Scene& scene, const std::vector<uint32_t>& shining, Emi
     for (const uint32_t v : shining)
         if (v < free.size() && clusters.emitterOfVertex[v] < 0) free[v] = 1;
     bool changed = false;
-    for (EmitterCluster& e : clusters.emitters) {
-        if (e.fitted || e.unobserved) continue;
-        const std::vector<uint32_t> added = connectedWith(scene, free, e);
-        if (added.empty()) continue;
-        for (const uint32_t v : added) free[v] = 0;
-        addVertices(scene, added, e);
-        changed = true;
-    }
+    for (std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
+        for (EmitterCluster& e : *list) {
+            if (e.fitted || e.unobserved) continue;
+            const std::vector<uint32_t> added = connectedWith(scene, free, e);
+            if (added.empty()) continue;
+            for (const uint32_t v : added) free[v] = 0;
+            addVertices(scene, added, e);
+            changed = true;
+        }
     if (changed) indexEmitters(scene, clusters);
 }
 

@@ -4,8 +4,8 @@
 
 namespace relamp {
 
-/// Gives emitters those of the vertices `shining` (MeshMend::shining) that are connected with theirs, by others of
-/// them, and the triangles between. Fitted balls and proxies stay. O(triangles x emitters).
+/// Gives emitters and candidates those of the vertices `shining` (MeshMend::shining) that are connected with theirs, by
+/// others of them, and the triangles between. Fitted balls and proxies stay. O(triangles x emitters).
 void letSidesShine(const Scene& scene, const std::vector<uint32_t>& shining, EmitterClusters& clusters);
 
 /// Makes those emitters and candidates two-sided of which most vertices are in `bothSides` (MeshMend), ascending.

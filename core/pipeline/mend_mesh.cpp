@@ -5,6 +5,7 @@
 #include "clusters/emitter_mend.h"
 #include "clusters/shining_sides.h"
 #include "pipeline/emitter_backs.h"
+#include "pipeline/complete_lights.h"
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
@@ -87,6 +88,7 @@ public:
                 found.moves.push_back(std::move(m));
             }
         if (!found.needed()) return;
+        balls_ = found.balls;
         for (EmitterReplacement& r : found.bodies) r.removed = inFile(r.removed);
         add(found.removed, mend_.removed);
         const MeshMend without = mend_;
@@ -228,6 +230,25 @@ public:
         return best;
     }
 
+    /// Lights of which the photographs' frames cut a part off.
+    void completeLights() {
+        std::vector<EmitterReplacement> found = completedLights(*prepared_.scene, capture_, *prepared_.samples,
+                                                               prepared_.clusters, options_.solve, progress_);
+        if (found.empty()) return;
+        for (EmitterReplacement& r : found) r.removed = inFile(r.removed);
+        const MeshMend without = mend_;
+        const auto shape = [&] {
+            mend_ = without;
+            for (EmitterReplacement& r : found) addBody(r);
+            std::sort(mend_.shining.begin(), mend_.shining.end());
+            apply(balls_);
+        };
+        shape();
+        for (EmitterReplacement& r : found) r.dark = darkSides(r, *prepared_.scene, capture_, *prepared_.samples);
+        shape();
+        for (const EmitterReplacement& r : found) say(r.was.words);
+    }
+
     /// Sheets that shine to the side which the mesh has not.
     void openBacks() {
         mend_.bothSides =
@@ -307,6 +328,7 @@ private:
     const std::vector<ProxyLight> proxies_;
     MeshMend mend_;
     std::vector<RoundSheet> sheets_;
+    std::vector<ProxyLight> balls_;                     ///< of the emitters' own places
     std::vector<std::pair<size_t, size_t>> completed_;  ///< per sheet the triangles that were added to it
 };
 
@@ -326,6 +348,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     const bool skirts = mender.takeSkirtsOff();
     if (skirts || moved) mender.completeSurfaces();
     mender.shapeEmitters(skirts || moved);
+    if (skirts || moved) mender.completeLights();
     mender.openBacks();
     return std::move(mender).result();
 }

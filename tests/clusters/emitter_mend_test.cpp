@@ -284,6 +284,28 @@ TEST(EmitterMend, APanelInTwoShredsIsOneBox) {
     EXPECT_EQ(mend.bodies[0].removed.size(), shreds.triangles.size());
 }
 
+TEST(EmitterMend, AViewInWhichSomethingElseHidesAPartIsNotAsked) {
+    const Vec3 centre(0, 0, 0.4f), size(0.2f, 0.15f, 0.015f);
+    World world(boxOf(centre, size),
+                test::sheet(centre + Vec3(-0.19f, -0.14f, 0.01f), {0.2f, 0, 0}, {0, 0.28f, 0}, 8, 12));
+    // A curtain that the mesh does not have, before the left half of one photograph.
+    Image& image = world.capture.views[0].image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width / 2; ++x) image.pixels[size_t(y) * size_t(image.width) + size_t(x)] = Rgb(0.1f);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.bodies.size(), 1u);
+    EXPECT_EQ(mend.bodies[0].was.hiddenIn, std::vector<size_t>{0});
+    const EmitterBody& found = mend.bodies[0].body;
+    EXPECT_NEAR(8 * found.half.x * found.half.y * found.half.z, 8 * double(size.x * size.y * size.z),
+                0.1 * 8 * double(size.x * size.y * size.z));
+    EXPECT_NEAR(glm::length(found.centre - DVec3(centre)), 0, 0.004);
+    // Two of six are too many to be a chance.
+    Image& other = world.capture.views[1].image;
+    for (int y = 0; y < other.height; ++y)
+        for (int x = 0; x < other.width / 2; ++x) other.pixels[size_t(y) * size_t(other.width) + size_t(x)] = Rgb(0.1f);
+    EXPECT_TRUE(world.mend().bodies.empty());
+}
+
 TEST(EmitterMend, ASideThatPhotographsShowDarkDoesNotShine) {
     EmitterReplacement panel;
     panel.body.centre = {0, 0, 0.4};
