@@ -1,6 +1,7 @@
 #include "clusters/body_obstacles.h"
 
 #include <algorithm>
+
 #include <map>
 #include <optional>
 
@@ -18,6 +19,7 @@ constexpr float alongRidge = 0.8f;                   ///< cosine of that surface
 constexpr double scrapReach = 2;        ///< of a body's half length: so far away a bag goes that hangs on it
 constexpr float islandPart = 0.25f;     ///< of the scraps' area: an island of theirs is no larger
 constexpr float radianceBehind = 0.2f;  ///< relative: a pixel shows what lies behind
+constexpr float floorBehind = 4;        ///< noise floors besides
 constexpr float mostlyRidge = 0.8f;     ///< of the area, and of the vertices about it
 
 /// Pixels through triangles that show the body, and that do not.
@@ -99,8 +101,9 @@ std::optional<Rgb> shownThere(const Scene& scene, const RadianceSamples& samples
     return sum / weight;
 }
 
-/// Of the triangles `about`, 1 for those that no pixel hits, and for those through which most pixels on and around them
-/// show what lies behind; pixels of `outlines` are not asked.
+/// Of the triangles `about`, 1 for those that no pixel hits or at most one view sees, from which nothing is
+/// reconstructed, and for those through which most pixels on and around them show what lies behind; pixels of
+/// `outlines` are not asked.
 std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                               const std::vector<uint8_t>& about, const std::vector<EmitterOutline>& outlines) {
     std::vector<const EmitterOutline*> outlineOf(samples.geometry.size(), nullptr);
@@ -131,7 +134,8 @@ std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const 
             const std::optional<Rgb> behind = shownThere(scene, samples, seen, hit, direction, uint32_t(i));
             if (!behind) continue;
             const Rgb value = view.image.at(x, y);
-            const bool same = glm::length(value - *behind) < radianceBehind * glm::length(*behind);
+            const bool same =
+                glm::length(value - *behind) < radianceBehind * glm::length(*behind) + floorBehind * samples.noiseFloor;
             for (const uint32_t v : scene.mesh.triangles[t]) ++(same ? through[v] : against[v]);
         }
     }
@@ -140,7 +144,9 @@ std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const 
         if (!about[t]) continue;
         uint32_t yes = 0, no = 0;
         for (const uint32_t v : scene.mesh.triangles[t]) yes += through[v], no += against[v];
-        result[t] = yes + no > 0 ? yes > 2 * no : !hits[t];
+        size_t views = 0;
+        for (const uint32_t v : scene.mesh.triangles[t]) views = std::max(views, samples.countOf(v));
+        result[t] = yes + no > 0 ? yes > 2 * no : !hits[t] || views < 2;
     }
     return result;
 }
@@ -256,7 +262,8 @@ std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const Emitte
 }
 
 std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                   const EmitterBody& body, const std::set<uint32_t>& removed) {
+                                   const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
+                                   const std::set<uint32_t>& removed) {
     const size_t count = scene.mesh.triangles.size();
     const double reach = scrapReach * std::max({body.half.x, body.half.y, body.half.z});
     std::vector<uint8_t> about(count, 0);
@@ -266,7 +273,7 @@ std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, c
             return body.distance(DVec3(scene.mesh.positions[v])) < reach;
         });
     }
-    const std::vector<uint8_t> free = notThere(scene, capture, samples, about, {});
+    const std::vector<uint8_t> free = notThere(scene, capture, samples, about, outlines);
     std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
     std::vector<uint8_t> cut(scene.mesh.vertexCount(), 0), kept = cut, left = free;
     for (uint32_t t = 0; t < count; ++t)

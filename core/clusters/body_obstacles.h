@@ -43,7 +43,8 @@ std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const Emitte
 /// photograph shows or through which photographs show what lies behind: the bag that a reconstruction closes below a
 /// panel. Ascending. O(pixels + triangles).
 std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                   const EmitterBody& body, const std::set<uint32_t>& removed);
+                                   const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
+                                   const std::set<uint32_t>& removed);
 
 /// Fans of triangles over the borders that are left where `removed` triangles met others within `reach` metres of the
 /// body: the ground that a standing light hid. Triangles of `positions`; corners are copies of the mesh's.

@@ -143,7 +143,7 @@ EmitterReplacement replacedBy(const EmitterBody& body, const Scene& scene, const
     if (r.setBack.empty()) {
         collectObstacles(scene, capture, samples, outlines, LightBody(body, bodyMargin * double(scene.diagonal)),
                          light.triangles, clusters.emitterOfTriangle, removed);
-        const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, body, removed);
+        const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, outlines, body, removed);
         logInfo("{} triangles in the body's place go, and {} scraps that hang on them", removed.size(), scraps.size());
         removed.insert(scraps.begin(), scraps.end());
         groundUnder(scene, body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);

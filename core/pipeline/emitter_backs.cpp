@@ -1,9 +1,11 @@
 #include "pipeline/emitter_backs.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "clusters/shining_sides.h"
 #include "pipeline/plan_pilot.h"
 
 namespace relamp {
@@ -12,6 +14,8 @@ namespace {
 constexpr float mostlyOpen = 0.5f;  ///< of the area
 constexpr double leastFall = 0.01;  ///< of the misfit
 constexpr double leastErrors = 3;   ///< standard errors
+constexpr float leastSkin = 0.05f;  ///< of an emitter's area
+constexpr float skinReach = 1.1f;   ///< of the radius about its box
 
 /// With `candidate` taken for an emitter.
 EmitterClusters withCandidate(const Scene& scene, const EmitterClusters& clusters, const EmitterCluster& candidate) {
@@ -19,6 +23,54 @@ EmitterClusters withCandidate(const Scene& scene, const EmitterClusters& cluster
     all.emitters.push_back(candidate);
     indexEmitters(scene, all);
     return all;
+}
+
+using Misfits = std::function<std::vector<double>(const EmitterClusters&)>;
+
+/// The pilot's misfits under any emitters, from pairs that none of `clusters` and none of `besides` touches; null: too
+/// few pairs.
+Misfits misfitsOf(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                  const std::vector<uint32_t>& besides, const SolveOptions& options, Progress& progress) {
+    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
+    for (const std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
+        for (const EmitterCluster& e : *list)
+            for (const uint32_t v : e.vertices) skip[v] = 1;
+    for (const uint32_t v : besides) skip[v] = 1;
+    const auto observed =
+        std::make_shared<const RatioObservations>(ratioObservations(scene, samples, std::move(skip), options.seed));
+    if (observed->pairs.size() < 1000) return {};
+    return [=, &scene, &samples, &options, &progress](const EmitterClusters& emitters) {
+        return pilotMisfits(scene, samples, emitters, observed->matte, observed->pairs, options, progress);
+    };
+}
+
+/// Vertices that at most one view sees, connected with the emitter by others of them, within its reach.
+std::vector<uint32_t> skinOf(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                             const EmitterCluster& emitter) {
+    Vec3 low(1e30f), high(-1e30f);
+    for (const uint32_t v : emitter.vertices)
+        low = glm::min(low, scene.mesh.positions[v]), high = glm::max(high, scene.mesh.positions[v]);
+    const Vec3 middle = 0.5f * (low + high);
+    const float reach = skinReach * 0.5f * glm::length(high - low);
+    std::vector<uint8_t> reached(scene.mesh.vertexCount(), 0);
+    for (const std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
+        for (const EmitterCluster& e : *list)
+            for (const uint32_t v : e.vertices) reached[v] = 1;
+    std::vector<uint32_t> skin, front = emitter.vertices;
+    while (!front.empty()) {
+        const uint32_t v = front.back();
+        front.pop_back();
+        for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k) {
+            const uint32_t u = scene.graph.to[k];
+            if (reached[u] || samples.countOf(u) > 1 || glm::distance(scene.mesh.positions[u], middle) > reach)
+                continue;
+            reached[u] = 1;
+            skin.push_back(u);
+            front.push_back(u);
+        }
+    }
+    std::sort(skin.begin(), skin.end());
+    return skin;
 }
 
 }  // namespace
@@ -49,12 +101,8 @@ std::vector<uint32_t> shiningToBothSides(const Scene& scene, const RadianceSampl
         for (const EmitterCluster& e : *list)
             if (!e.fitted && !e.unobserved && !e.twoSided && openBehind(scene, e) > mostlyOpen) asked.push_back(&e);
     if (asked.empty()) return result;
-    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
-    for (const std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
-        for (const EmitterCluster& e : *list)
-            for (const uint32_t v : e.vertices) skip[v] = 1;
-    const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
-    if (observed.pairs.size() < 1000) return result;
+    const Misfits misfits = misfitsOf(scene, samples, clusters, {}, options, progress);
+    if (!misfits) return result;
     EmitterClusters present = clusters;
     for (const EmitterCluster* e : asked) {
         const bool certain = std::any_of(present.emitters.begin(), present.emitters.end(),
@@ -62,9 +110,6 @@ std::vector<uint32_t> shiningToBothSides(const Scene& scene, const RadianceSampl
         const EmitterClusters oneSided = certain ? present : withCandidate(scene, present, *e);
         EmitterClusters twoSided = oneSided;
         for (EmitterCluster& other : twoSided.emitters) other.twoSided |= other.vertices == e->vertices;
-        const auto misfits = [&](const EmitterClusters& emitters) {
-            return pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
-        };
         const MisfitFall fall = misfitFall(misfits(oneSided), misfits(twoSided));
         logInfo("a light of {:.0f} cm2 that is a sheet, if it shines to both sides: {}", 1e4f * e->area, fall.words());
         if (!fall.exceeds(leastFall, leastErrors)) continue;
@@ -72,6 +117,36 @@ std::vector<uint32_t> shiningToBothSides(const Scene& scene, const RadianceSampl
         if (certain) present = twoSided;
     }
     std::sort(result.begin(), result.end());
+    return result;
+}
+
+std::vector<uint32_t> shiningSkins(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                                   const SolveOptions& options, Progress& progress) {
+    std::vector<uint32_t> result;
+    for (const std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
+        for (const EmitterCluster& e : *list) {
+            if (e.fitted || e.unobserved) continue;
+            const std::vector<uint32_t> skin = skinOf(scene, samples, clusters, e);
+            if (skin.empty()) continue;
+            const EmitterClusters bare = list == &clusters.emitters ? clusters : withCandidate(scene, clusters, e);
+            EmitterClusters closed = bare;
+            letSidesShine(scene, skin, closed);
+            const auto areaOf = [&](const EmitterClusters& all) {
+                double area = 0;
+                for (const EmitterCluster& other : all.emitters) area += double(other.area);
+                return area;
+            };
+            const double more = areaOf(closed) - areaOf(bare);
+            if (more < double(leastSkin * e.area)) continue;
+            const Misfits misfits = misfitsOf(scene, samples, clusters, skin, options, progress);
+            if (!misfits) continue;
+            const MisfitFall fall = misfitFall(misfits(bare), misfits(closed));
+            logInfo("a light of {:.0f} cm2, if {:.0f} cm2 that close it shine too: {}", 1e4f * e.area, 1e4 * more,
+                    fall.words());
+            if (fall.exceeds(leastFall, leastErrors)) result.insert(result.end(), skin.begin(), skin.end());
+        }
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
     return result;
 }
 

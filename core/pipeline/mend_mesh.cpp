@@ -4,8 +4,8 @@
 #include "base/statistics.h"
 #include "clusters/emitter_mend.h"
 #include "clusters/shining_sides.h"
-#include "pipeline/emitter_backs.h"
 #include "pipeline/complete_lights.h"
+#include "pipeline/emitter_backs.h"
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
@@ -233,7 +233,7 @@ public:
     /// Lights of which the photographs' frames cut a part off.
     void completeLights() {
         std::vector<EmitterReplacement> found = completedLights(*prepared_.scene, capture_, *prepared_.samples,
-                                                               prepared_.clusters, options_.solve, progress_);
+                                                                prepared_.clusters, options_.solve, progress_);
         if (found.empty()) return;
         for (EmitterReplacement& r : found) r.removed = inFile(r.removed);
         const MeshMend without = mend_;
@@ -247,6 +247,18 @@ public:
         for (EmitterReplacement& r : found) r.dark = darkSides(r, *prepared_.scene, capture_, *prepared_.samples);
         shape();
         for (const EmitterReplacement& r : found) say(r.was.words);
+    }
+
+    /// Skins that close lights where no photograph looks.
+    void closeLights() {
+        const std::vector<uint32_t> skins =
+            shiningSkins(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
+        if (skins.empty()) return;
+        mend_.shining.insert(mend_.shining.end(), skins.begin(), skins.end());
+        std::sort(mend_.shining.begin(), mend_.shining.end());
+        letSidesShine(*prepared_.scene, skins, prepared_.clusters);
+        say("a surface that no photographs show closes a light, and what they do show is explained better if it shines "
+            "too: it does");
     }
 
     /// Sheets that shine to the side which the mesh has not.
@@ -349,6 +361,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     if (skirts || moved) mender.completeSurfaces();
     mender.shapeEmitters(skirts || moved);
     if (skirts || moved) mender.completeLights();
+    if (skirts || moved) mender.closeLights();
     mender.openBacks();
     return std::move(mender).result();
 }

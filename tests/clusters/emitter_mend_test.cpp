@@ -370,10 +370,14 @@ TEST(BodyObstacles, ABagThatNoPhotographShowsGoes) {
     EmitterBody box;
     box.centre = DVec3(centre);
     box.half = {0.2, 0.15, 0.015};
-    EXPECT_EQ(scrapsBehind(scene, {}, samples, box, removed).size(), scene.mesh.triangles.size() - removed.size());
-    // Were it seen, it would stay.
+    EXPECT_EQ(scrapsBehind(scene, {}, samples, {}, box, removed).size(), scene.mesh.triangles.size() - removed.size());
+    // One view is not enough to reconstruct anything.
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) samples.geometry[0].triangle.push_back(t);
-    EXPECT_TRUE(scrapsBehind(scene, {}, samples, box, removed).empty());
+    EXPECT_EQ(scrapsBehind(scene, {}, samples, {}, box, removed).size(), scene.mesh.triangles.size() - removed.size());
+    // Were it seen by two, it would stay.
+    samples.samples.resize(2 * scene.mesh.vertexCount());
+    for (uint32_t v = 0; v <= scene.mesh.vertexCount(); ++v) samples.start[v] = 2 * v;
+    EXPECT_TRUE(scrapsBehind(scene, {}, samples, {}, box, removed).empty());
 }
 
 TEST(BodyObstacles, ABagThroughWhichAPhotographShowsTheFloorGoes) {

@@ -65,5 +65,49 @@ TEST(EmitterBacks, ShineWherePhotographsSaySo) {
     EXPECT_TRUE(clusters.emitters[0].twoSided);
 }
 
+TEST(EmitterSkins, ShineWherePhotographsSaySo) {
+    const test::TemporaryFolder folder;
+    test::KnownWorld world = test::paintKnownWorld(folder / "world", true, 8, 30);
+    Progress progress;
+    PipelineOptions options;
+    options.solve = solveOptionsFor("draft");
+    const Capture capture = loadCapture(folder / "world", options.load, progress);
+    StageMeter meter(progress);
+    const Prepared p = prepare(capture, options, meter, progress);
+    ASSERT_EQ(p.clusters.emitters.size(), 1u);
+    EXPECT_TRUE(shiningSkins(*p.scene, *p.samples, p.clusters, options.solve, progress).empty()) << "all of it shines";
+    // A stripe of the light is a surface that no photograph shows.
+    std::vector<uint8_t> hidden(p.scene->mesh.vertexCount(), 0);
+    EmitterClusters half = p.clusters;
+    EmitterCluster& light = half.emitters[0];
+    const std::vector<uint32_t> whole = light.vertices;
+    for (const uint32_t v : whole)
+        hidden[v] = std::abs((p.scene->mesh.positions[v] - light.centroid).x) < 0.1f * world.emitterSide;
+    std::erase_if(light.vertices, [&](uint32_t v) { return hidden[v] != 0; });
+    std::erase_if(light.triangles, [&](uint32_t t) {
+        const Triangle& c = p.scene->mesh.triangles[t];
+        return hidden[c[0]] || hidden[c[1]] || hidden[c[2]];
+    });
+    measureTriangles(*p.scene, light);
+    indexEmitters(*p.scene, half);
+    ASSERT_LT(half.emitters[0].area, 0.9f * p.clusters.emitters[0].area);
+    RadianceSamples samples = *p.samples;
+    samples.samples.clear();
+    for (uint32_t v = 0; v < hidden.size(); ++v) {
+        samples.start[v] = uint32_t(samples.samples.size());
+        if (hidden[v]) continue;
+        for (uint32_t k = p.samples->start[v]; k < p.samples->start[v + 1]; ++k)
+            samples.samples.push_back(p.samples->samples[k]);
+    }
+    samples.start.back() = uint32_t(samples.samples.size());
+    const std::vector<uint32_t> skin = shiningSkins(*p.scene, samples, half, options.solve, progress);
+    std::vector<uint32_t> expected;
+    for (uint32_t v = 0; v < hidden.size(); ++v)
+        if (hidden[v]) expected.push_back(v);
+    EXPECT_EQ(skin, expected);
+    letSidesShine(*p.scene, skin, half);
+    EXPECT_EQ(half.emitters[0].vertices, whole);
+}
+
 }  // namespace
 }  // namespace relamp
