@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/statistics.h"
 #include "clusters/body_obstacles.h"
 #include "clusters/emitter_pixels.h"
 #include "clusters/patches.h"
@@ -108,6 +109,34 @@ EmitterCluster joined(const EmitterClusters& clusters, const std::vector<size_t>
     return whole;
 }
 
+/// A candidate that no albedo explains, and that shines evenly: an edge that is not quite sharp made it one.
+bool tooBrightToReflect(const EmitterCluster& candidate) {
+    constexpr float surelyEven = 0.05f;
+    return candidate.evidence.sceneContrast > ClusterOptions{}.certainContrast && candidate.level.empty() &&
+           candidate.evidence.uniformity < surelyEven && !candidate.fitted && !candidate.unobserved;
+}
+
+/// The emitter with the median radiance of pixels that lie inside its outlines: vertices at its edge are darker.
+EmitterCluster withInnerRadiance(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                 const EmitterClusters& clusters, EmitterCluster emitter) {
+    std::vector<float> values[3];
+    for (const EmitterOutline& o : emitterOutlines(scene, capture, samples, clusters, emitter, true)) {
+        const View& view = capture.views[o.view];
+        const int width = view.camera.width, height = view.camera.height;
+        for (int y = 1; y + 1 < height; ++y)
+            for (int x = 1; x + 1 < width; ++x) {
+                bool inside = view.image.usableAt(x, y);
+                for (int k = 0; k < 9 && inside; ++k)
+                    inside = o.shows[size_t(y + k / 3 - 1) * size_t(width) + size_t(x + k % 3 - 1)] != 0;
+                if (!inside) continue;
+                for (int c = 0; c < 3; ++c) values[c].push_back(view.image.at(x, y)[c]);
+            }
+    }
+    if (!values[0].empty())
+        for (int c = 0; c < 3; ++c) emitter.radiance[c] = medianOf(std::move(values[c]));
+    return emitter;
+}
+
 /// The tube or box that takes the emitter's place, if one explains the outlines clearly better than the mesh.
 std::optional<EmitterReplacement> replacementOf(const Scene& scene, const Capture& capture,
                                                 const RadianceSamples& samples, const EmitterClusters& clusters,
@@ -173,6 +202,10 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         mend.balls.push_back(proxy);
     };
     std::vector<uint8_t> replaced(clusters.emitters.size(), 0);
+    std::vector<EmitterCluster> asked = clusters.emitters;
+    for (const EmitterCluster& e : clusters.candidates)
+        if (tooBrightToReflect(e)) asked.push_back(withInnerRadiance(scene, capture, samples, clusters, e));
+    replaced.resize(asked.size(), 0);
     for (const std::vector<size_t>& group : onePieces(scene, capture, samples, clusters)) {
         const EmitterCluster whole = joined(clusters, group);
         std::optional<EmitterReplacement> body = replacementOf(
@@ -181,8 +214,8 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         mend.bodies.push_back(std::move(*body));
         for (const size_t k : group) replaced[k] = 1;
     }
-    for (size_t k = 0; k < clusters.emitters.size(); ++k) {
-        const EmitterCluster& e = clusters.emitters[k];
+    for (size_t k = 0; k < asked.size(); ++k) {
+        const EmitterCluster& e = asked[k];
         if (e.unobserved || e.triangles.empty() || replaced[k]) continue;
         std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         const bool cut = outlines.size() < 2;

@@ -50,7 +50,8 @@ struct EmitterMend {
 /// - otherwise a straight tube or box that does so; parts of one radiance that photographs show in one piece are one
 ///   emitter then. A ridge of the surface behind goes back to it;
 /// - otherwise the surface moves along its normals, by as much as pixels and mesh differ in area.
-/// Exact meshes stay as they are. O(pixels x emitters).
+/// Candidates are asked too where they are even and too bright to reflect anything. Exact meshes stay as they are.
+/// O(pixels x emitters).
 EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                          const EmitterClusters& clusters);
 
