@@ -95,16 +95,18 @@ bool BodyWitness::allow(const EmitterBody& body) const {
     const std::vector<DVec3> points = pointsOn(body);
     const double slack = 0.005 * double(scene_.diagonal);
     for (size_t i = 0; i < capture_.views.size(); ++i) {
-        const Camera& camera = capture_.views[i].camera;
+        const View& view = capture_.views[i];
         const ViewGeometry& g = samples_.geometry[i];
+        if (light_.levelIn(samples_.stateOf(uint32_t(i))) <= 0) continue;  // it is off there
         size_t refuted = 0;
         for (const DVec3& p : points) {
-            const auto at = camera.project(p);
+            const auto at = view.camera.project(p);
             if (!at || at->x < 1 || at->y < 1 || at->x >= float(g.width - 1) || at->y >= float(g.height - 1)) continue;
             const size_t pixel = size_t(at->y) * size_t(g.width) + size_t(at->x);
-            if (shows_[i][pixel]) continue;
+            if (shows_[i][pixel] || !view.image.usableAt(int(at->x), int(at->y))) continue;
             const uint32_t t = g.triangle[pixel];
-            const bool hidden = t != Hit::none && double(g.depth[pixel]) < glm::length(p - camera.position()) - slack &&
+            const bool hidden = t != Hit::none &&
+                                double(g.depth[pixel]) < glm::length(p - view.camera.position()) - slack &&
                                 !std::binary_search(light_.triangles.begin(), light_.triangles.end(), t);
             refuted += !hidden;
         }

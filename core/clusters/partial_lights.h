@@ -1,5 +1,5 @@
 // Lights of which the mesh has a part: such as every photograph's frame cuts (a panel overhead), where reconstruction
-// ends, and candidates, which emitter_mend does not ask.
+// ends, and candidates, of which emitter_mend asks the brightest alone.
 #pragma once
 #include "clusters/emitter_body.h"
 

@@ -103,12 +103,7 @@ public:
             apply(found.balls);
         };
         shape();
-        bool anyDark = false;
-        for (EmitterReplacement& r : found.bodies) {
-            r.dark = darkSides(r, *prepared_.scene, capture_, *prepared_.samples);
-            anyDark |= std::count(r.dark.begin(), r.dark.end(), 1) > 0;
-        }
-        if (anyDark) shape();
+        if (findDarkSides(found.bodies)) shape();
         const auto worse = [&](const EmitterMove& m) {
             return overlapAfter(m, *prepared_.scene, capture_, *prepared_.samples, prepared_.clusters) < m.overlap;
         };
@@ -244,8 +239,7 @@ public:
             apply(balls_);
         };
         shape();
-        for (EmitterReplacement& r : found) r.dark = darkSides(r, *prepared_.scene, capture_, *prepared_.samples);
-        shape();
+        if (findDarkSides(found)) shape();
         for (const EmitterReplacement& r : found) say(r.was.words);
     }
 
@@ -273,6 +267,15 @@ public:
     MeshMend result() && { return std::move(mend_); }
 
 private:
+    /// Sides of the bodies that photographs show dark; whether there is any.
+    bool findDarkSides(std::vector<EmitterReplacement>& bodies) const {
+        bool any = false;
+        for (EmitterReplacement& r : bodies) {
+            r.dark = darkSides(r, *prepared_.scene, capture_, *prepared_.samples);
+            any |= std::count(r.dark.begin(), r.dark.end(), 1) > 0;
+        }
+        return any;
+    }
     /// Triangles of the mesh as it is, by their numbers in the file; without those of a ball.
     std::vector<uint32_t> inFile(const std::vector<uint32_t>& present) const {
         const std::vector<uint32_t> numbers = trianglesLeft(mend_, file_.triangles.size());

@@ -139,6 +139,35 @@ TEST(EmitterMend, AMoveIsJudgedByTheEmitterThatItIsFor) {
     EXPECT_EQ(overlapIn(World(truth, {})), 0);  // it was lost
 }
 
+TEST(EmitterMend, ABallThatAllFramesCutIsFoundWithItsSize) {
+    const Vec3 centre(0, 0, 0.4f);
+    Mesh half = ballOf(centre, 0.1f);
+    std::erase_if(half.triangles, [&](const Triangle& t) {
+        return half.positions[t[0]].z + half.positions[t[1]].z + half.positions[t[2]].z > 3 * centre.z;
+    });
+    World world(ballOf(centre, 0.1f), half);
+    // Every photograph loses its upper rows, down to a little above the ball's middle.
+    for (View& view : world.capture.views) {
+        const int rows = int(view.camera.project(DVec3(centre))->y) - 6, width = view.image.width;
+        view.image.pixels.erase(view.image.pixels.begin(), view.image.pixels.begin() + ptrdiff_t(rows) * width);
+        if (!view.image.usable.empty())
+            view.image.usable.erase(view.image.usable.begin(), view.image.usable.begin() + ptrdiff_t(rows) * width);
+        view.image.height -= rows;
+        view.camera.height -= rows;
+        view.camera.centreY -= rows;
+    }
+    Progress progress;
+    world.samples = gatherRadiance(world.capture, world.scene, {}, progress);
+    world.clusters = clusterEmitters(world.scene, world.capture, world.samples, {}, progress);
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    EXPECT_TRUE(
+        emitterOutlines(world.scene, world.capture, world.samples, world.clusters, world.clusters.emitters[0]).empty());
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 1u);
+    EXPECT_NEAR(glm::length(Vec3(mend.balls[0].centre) - centre), 0, 0.004);
+    EXPECT_NEAR(mend.balls[0].radius, 0.1f, 0.003f);
+}
+
 TEST(EmitterMend, ACandidateTooBrightToReflectIsAskedToo) {
     const Vec3 centre(0.05f, -0.1f, 0.4f);
     Mesh half = ballOf(centre, 0.1f);

@@ -22,6 +22,23 @@ EmitterCluster emitterOf(const Scene& scene, std::vector<uint32_t> triangles) {
     return e;
 }
 
+/// The known world, as far as the emitters are known.
+struct PreparedWorld {
+    test::TemporaryFolder folder;
+    test::KnownWorld world = test::paintKnownWorld(folder / "world", true, 8, 30);
+    Progress progress;
+    PipelineOptions options = draft();
+    Capture capture = loadCapture(folder / "world", options.load, progress);
+    StageMeter meter{progress};
+    Prepared prepared = prepare(capture, options, meter, progress);
+
+    static PipelineOptions draft() {
+        PipelineOptions options;
+        options.solve = solveOptionsFor("draft");
+        return options;
+    }
+};
+
 TEST(EmitterBacks, ASheetIsOpenBehindAndABodyIsNot) {
     Mesh mesh = test::box({0, 0, 0}, {0.3f, 0.3f, 0.02f}, 3);
     std::vector<uint32_t> body(mesh.triangles.size());
@@ -39,24 +56,19 @@ TEST(EmitterBacks, ASheetIsOpenBehindAndABodyIsNot) {
 }
 
 TEST(EmitterBacks, ShineWherePhotographsSaySo) {
-    const test::TemporaryFolder folder;
-    test::KnownWorld world = test::paintKnownWorld(folder / "world", true, 8, 30);
-    Progress progress;
-    PipelineOptions options;
-    options.solve = solveOptionsFor("draft");
-    const Capture capture = loadCapture(folder / "world", options.load, progress);
-    StageMeter meter(progress);
-    const Prepared p = prepare(capture, options, meter, progress);
+    PreparedWorld w;
+    const Prepared& p = w.prepared;
     ASSERT_EQ(p.clusters.emitters.size(), 1u);
     EXPECT_EQ(openBehind(*p.scene, p.clusters.emitters[0]), 1);
     // Its back lights nothing here: that says nothing, and it has none.
-    EXPECT_TRUE(shiningToBothSides(*p.scene, *p.samples, p.clusters, options.solve, progress).empty());
+    EXPECT_TRUE(shiningToBothSides(*p.scene, *p.samples, p.clusters, w.options.solve, w.progress).empty());
     // A mesh that has its upper side alone: the light on the floor then comes from the back.
-    Mesh turned = capture.mesh;
+    Mesh turned = w.capture.mesh;
     for (const uint32_t t : p.clusters.emitters[0].triangles) std::swap(turned.triangles[t][1], turned.triangles[t][2]);
     for (const uint32_t v : p.clusters.emitters[0].vertices) turned.normals[v] = -turned.normals[v];
-    const Scene fromAbove = buildScene(turned, progress);
-    const std::vector<uint32_t> both = shiningToBothSides(fromAbove, *p.samples, p.clusters, options.solve, progress);
+    const Scene fromAbove = buildScene(turned, w.progress);
+    const std::vector<uint32_t> both =
+        shiningToBothSides(fromAbove, *p.samples, p.clusters, w.options.solve, w.progress);
     EXPECT_EQ(both, p.clusters.emitters[0].vertices);
     EmitterClusters clusters = p.clusters;
     letBacksShine({}, clusters);
@@ -66,23 +78,18 @@ TEST(EmitterBacks, ShineWherePhotographsSaySo) {
 }
 
 TEST(EmitterSkins, ShineWherePhotographsSaySo) {
-    const test::TemporaryFolder folder;
-    test::KnownWorld world = test::paintKnownWorld(folder / "world", true, 8, 30);
-    Progress progress;
-    PipelineOptions options;
-    options.solve = solveOptionsFor("draft");
-    const Capture capture = loadCapture(folder / "world", options.load, progress);
-    StageMeter meter(progress);
-    const Prepared p = prepare(capture, options, meter, progress);
+    PreparedWorld w;
+    const Prepared& p = w.prepared;
     ASSERT_EQ(p.clusters.emitters.size(), 1u);
-    EXPECT_TRUE(shiningSkins(*p.scene, *p.samples, p.clusters, options.solve, progress).empty()) << "all of it shines";
+    EXPECT_TRUE(shiningSkins(*p.scene, *p.samples, p.clusters, w.options.solve, w.progress).empty())
+        << "all of it shines";
     // A stripe of the light is a surface that no photograph shows.
     std::vector<uint8_t> hidden(p.scene->mesh.vertexCount(), 0);
     EmitterClusters half = p.clusters;
     EmitterCluster& light = half.emitters[0];
     const std::vector<uint32_t> whole = light.vertices;
     for (const uint32_t v : whole)
-        hidden[v] = std::abs((p.scene->mesh.positions[v] - light.centroid).x) < 0.1f * world.emitterSide;
+        hidden[v] = std::abs((p.scene->mesh.positions[v] - light.centroid).x) < 0.1f * w.world.emitterSide;
     std::erase_if(light.vertices, [&](uint32_t v) { return hidden[v] != 0; });
     std::erase_if(light.triangles, [&](uint32_t t) {
         const Triangle& c = p.scene->mesh.triangles[t];
@@ -100,7 +107,7 @@ TEST(EmitterSkins, ShineWherePhotographsSaySo) {
             samples.samples.push_back(p.samples->samples[k]);
     }
     samples.start.back() = uint32_t(samples.samples.size());
-    const std::vector<uint32_t> skin = shiningSkins(*p.scene, samples, half, options.solve, progress);
+    const std::vector<uint32_t> skin = shiningSkins(*p.scene, samples, half, w.options.solve, w.progress);
     std::vector<uint32_t> expected;
     for (uint32_t v = 0; v < hidden.size(); ++v)
         if (hidden[v]) expected.push_back(v);
