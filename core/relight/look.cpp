@@ -216,7 +216,9 @@ Look lookFromJson(const Json& document, const std::filesystem::path& folder, con
     Look look;
     if (const auto at = document.find("environment"); at != document.end()) {
         if (!at->is_object()) throw Error("environment: expected an object");
-        const std::string source = at->contains("source") ? textOf(*at, "source", "environment") : "recovered";
+        const std::string source = at->contains("source") ? textOf(*at, "source", "environment")
+                                   : at->contains("file") ? "file"
+                                                          : "recovered";
         if (source == "recovered") look.environment.source = EnvironmentLook::Source::recovered;
         else if (source == "none") look.environment.source = EnvironmentLook::Source::none;
         else if (source == "file") look.environment.source = EnvironmentLook::Source::file;

@@ -64,6 +64,15 @@ TEST(Look, SurvivesARoundTrip) {
     EXPECT_EQ(lookToJson(look), withFile);
 }
 
+TEST(Look, AnEnvironmentsFileIsMeantWithoutASourceToo) {
+    json document = {{"environment", {{"file", "studio.exr"}}}};
+    const Look look = lookFromJson(document, "/somewhere");
+    EXPECT_EQ(look.environment.source, EnvironmentLook::Source::file);
+    EXPECT_EQ(look.environment.file, "/somewhere/studio.exr");
+    document["environment"]["source"] = "recovered";
+    EXPECT_EQ(lookFromJson(document, "/somewhere").environment.source, EnvironmentLook::Source::recovered);
+}
+
 TEST(Look, NamesOfEmittersComeBackAndAreTidied) {
     json document = whole();
     document["emitters"][0]["name"] = "  Key light ";
