@@ -201,11 +201,10 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         proxy.radiance = e.radiance;
         mend.balls.push_back(proxy);
     };
-    std::vector<uint8_t> replaced(clusters.emitters.size(), 0);
     std::vector<EmitterCluster> asked = clusters.emitters;
     for (const EmitterCluster& e : clusters.candidates)
         if (tooBrightToReflect(e)) asked.push_back(withInnerRadiance(scene, capture, samples, clusters, e));
-    replaced.resize(asked.size(), 0);
+    std::vector<uint8_t> replaced(asked.size(), 0);
     for (const std::vector<size_t>& group : onePieces(scene, capture, samples, clusters)) {
         const EmitterCluster whole = joined(clusters, group);
         std::optional<EmitterReplacement> body = replacementOf(

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/log.h"
+#include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"
 
 namespace relamp {
@@ -47,10 +48,7 @@ public:
         std::erase_if(clusters_.emitters, isIt);
         std::erase_if(clusters_.candidates, isIt);
         body_ = std::move(light);
-        std::vector<uint8_t> skip(scene_.mesh.vertexCount(), 0);
-        for (const std::vector<EmitterCluster>* list : {&clusters_.emitters, &clusters_.candidates})
-            for (const EmitterCluster& e : *list)
-                for (const uint32_t v : e.vertices) skip[v] = 1;
+        std::vector<uint8_t> skip = verticesOf(scene_, {&clusters_.emitters, &clusters_.candidates});
         for (const EmitterCluster* e : {static_cast<const EmitterCluster*>(&body_), &partial.mesh})
             for (const uint32_t v : e->vertices) skip[v] = 1;
         for (const uint32_t t : replacement.removed)
@@ -113,9 +111,9 @@ private:
 
 double sumOf(const std::vector<double>& misfits) { return std::accumulate(misfits.begin(), misfits.end(), 0.0); }
 
-/// Lengths with the least misfit: steps of each end, halved where none helps.
+/// Lengths with the least misfit: steps of each end, halved where none helps. `misfits`: of none, then of these.
 std::vector<double> bestLengths(const PartialLight& partial, const BodyWitness& witness, BodyTrial& trial,
-                                double& least) {
+                                std::vector<double>& misfits) {
     std::vector<double> best(partial.ends.size(), 0);
     for (int halving = 0; halving <= halvings; ++halving) {
         for (size_t end = 0; end < best.size(); ++end)
@@ -124,9 +122,9 @@ std::vector<double> bestLengths(const PartialLight& partial, const BodyWitness& 
                 tried[end] += sign * partial.ends[end].reach / double(2 << halving);
                 if (tried[end] < 0 || tried[end] > partial.ends[end].reach) continue;
                 if (!witness.allow(withEnds(partial.body, partial.ends, tried))) continue;
-                const double misfit = sumOf(trial.misfits(tried));
-                if (!(misfit < least)) continue;
-                least = misfit;
+                std::vector<double> now = trial.misfits(tried);
+                if (!(sumOf(now) < sumOf(misfits))) continue;
+                misfits = std::move(now);
                 best = tried;
                 break;
             }
@@ -145,14 +143,14 @@ std::vector<EmitterReplacement> completedLights(const Scene& scene, const Captur
             return replacedBy(body, scene, capture, samples, clusters, partial.mesh, partial.outlines, partial.covered,
                               std::move(words));
         };
-        BodyTrial trial(scene, samples, clusters, partial, replacement(partial.body, ""), options, progress);
+        EmitterReplacement accepted = replacement(partial.body, "");
+        BodyTrial trial(scene, samples, clusters, partial, accepted, options, progress);
         if (!trial.enough()) continue;
         const std::vector<double> shown = trial.misfits(std::vector<double>(partial.ends.size(), 0));
         std::vector<double> lengths(partial.ends.size(), 0), misfits = shown;
         if (!partial.ends.empty()) {
-            double least = sumOf(shown);
-            lengths = bestLengths(partial, BodyWitness(scene, capture, samples, partial.mesh), trial, least);
-            const std::vector<double> longer = trial.misfits(lengths);
+            std::vector<double> longer = shown;
+            lengths = bestLengths(partial, BodyWitness(scene, capture, samples, partial.mesh), trial, longer);
             const MisfitFall fall = misfitFall(shown, longer);
             logInfo("if it goes on to {}: {}", wordsOf(withEnds(partial.body, partial.ends, lengths)), fall.words());
             if (fall.exceeds(leastChange, leastSure)) misfits = longer;
@@ -165,12 +163,13 @@ std::vector<EmitterReplacement> completedLights(const Scene& scene, const Captur
         if (better && !partial.certain)
             better = misfitFall(trial.misfitsOfMesh(false), misfits).exceeds(leastChange, leastSure);
         if (!better) continue;
-        result.push_back(replacement(
-            body,
-            fmt::format("the mesh covers {:.0f} % of what photographs show of a light at {:.2f} {:.2f} {:.2f}, {} "
-                        "covers {:.0f} %: it takes its place",
-                        100 * partial.covered, body.centre.x + capture.origin.x, body.centre.y + capture.origin.y,
-                        body.centre.z + capture.origin.z, wordsOf(body), 100 * partial.body.overlap)));
+        if (body.half != partial.body.half) accepted = replacement(body, "");
+        accepted.was.words = fmt::format(
+            "the mesh covers {:.0f} % of what photographs show of a light at {:.2f} {:.2f} {:.2f}, {} covers {:.0f} %: "
+            "it takes its place",
+            100 * partial.covered, body.centre.x + capture.origin.x, body.centre.y + capture.origin.y,
+            body.centre.z + capture.origin.z, wordsOf(body), 100 * partial.body.overlap);
+        result.push_back(std::move(accepted));
     }
     return result;
 }

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "clusters/shining_sides.h"
+#include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"
 
 namespace relamp {
@@ -31,10 +32,7 @@ using Misfits = std::function<std::vector<double>(const EmitterClusters&)>;
 /// few pairs.
 Misfits misfitsOf(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
                   const std::vector<uint32_t>& besides, const SolveOptions& options, Progress& progress) {
-    std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
-    for (const std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
-        for (const EmitterCluster& e : *list)
-            for (const uint32_t v : e.vertices) skip[v] = 1;
+    std::vector<uint8_t> skip = verticesOf(scene, {&clusters.emitters, &clusters.candidates});
     for (const uint32_t v : besides) skip[v] = 1;
     const auto observed =
         std::make_shared<const RatioObservations>(ratioObservations(scene, samples, std::move(skip), options.seed));
@@ -52,10 +50,7 @@ std::vector<uint32_t> skinOf(const Scene& scene, const RadianceSamples& samples,
         low = glm::min(low, scene.mesh.positions[v]), high = glm::max(high, scene.mesh.positions[v]);
     const Vec3 middle = 0.5f * (low + high);
     const float reach = skinReach * 0.5f * glm::length(high - low);
-    std::vector<uint8_t> reached(scene.mesh.vertexCount(), 0);
-    for (const std::vector<EmitterCluster>* list : {&clusters.emitters, &clusters.candidates})
-        for (const EmitterCluster& e : *list)
-            for (const uint32_t v : e.vertices) reached[v] = 1;
+    std::vector<uint8_t> reached = verticesOf(scene, {&clusters.emitters, &clusters.candidates});
     std::vector<uint32_t> skin, front = emitter.vertices;
     while (!front.empty()) {
         const uint32_t v = front.back();
