@@ -9,6 +9,7 @@
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
+#include "radiance/cut_surfaces.h"
 #include "radiance/free_space.h"
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
@@ -243,6 +244,24 @@ public:
         for (const EmitterReplacement& r : found) say(r.was.words);
     }
 
+    /// Floors and walls that the photographs' frames cut: light does not come in behind their rims.
+    void continueSurfaces() {
+        const std::vector<CutSurface> sides =
+            cutSurfaces(*prepared_.scene, capture_, *prepared_.samples, verticesOfLights());
+        if (sides.empty()) return;
+        std::vector<uint32_t> replaced;  // of the mesh as it is now: all go at once
+        for (const CutSurface& side : sides) {
+            addPatch(side.continued());
+            replaced.insert(replaced.end(), side.replaced.begin(), side.replaced.end());
+        }
+        add(replaced, mend_.removed);
+        apply(balls_);
+        for (const CutSurface& side : sides)
+            say(fmt::format("photographs cut {} off: it goes on by {:.2f} m, {}", side.words(capture_.origin),
+                            side.likely,
+                            side.level ? "to where another surface ends" : "a likely length; nothing says how far"));
+    }
+
     /// Skins that close lights where no photograph looks.
     void closeLights() {
         const std::vector<uint32_t> skins =
@@ -364,6 +383,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     if (skirts || moved) mender.completeSurfaces();
     mender.shapeEmitters(skirts || moved);
     if (skirts || moved) mender.completeLights();
+    if (skirts || moved) mender.continueSurfaces();
     if (skirts || moved) mender.closeLights();
     mender.openBacks();
     return std::move(mender).result();

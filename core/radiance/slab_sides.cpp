@@ -19,8 +19,8 @@ constexpr double deepest = 0.15;                       ///< of the diagonal
 constexpr double leastDepth = 1.5;                     ///< spacings
 constexpr int depthsPerSpacing = 4;                    ///< tried
 constexpr double apart = 0.6;                          ///< spacings on either side of a lower edge that are compared
-constexpr float leastContrast = 0.2f;                  ///< log ratio: mean over lower edges
-constexpr float standsOut = 2.4f;                      ///< contrast of a lower edge over that of other depths
+constexpr float leastLowerContrast = 0.2f;             ///< log ratio: mean over lower edges
+constexpr float lowerStandsOut = 2.4f;                 ///< contrast of a lower edge over that of other depths
 constexpr size_t leastSeen = 30;                       ///< places along lower edges, in each view that sees them
 constexpr double leastSlant = 0.15;                    ///< cosine: grazing views tell nothing
 constexpr float sideDiffers = 0.3f, sideAlike = 0.1f;  ///< log ratios to what lies behind
@@ -101,7 +101,7 @@ private:
         const AtDepth& edge = depths[best];
         logInfo("lower edges {:.1f} mm below the upper ones: contrast {:.2f}, mean of all depths {:.2f}, {} places",
                 1e3 * double(best) * step, edge.mean(), mean, edge.seen);
-        const bool shown = edge.mean() > std::max(double(leastContrast), double(standsOut) * mean);
+        const bool shown = edge.mean() > std::max(double(leastLowerContrast), double(lowerStandsOut) * mean);
         return shown && edge.seen >= leastSeen && score >= 0 ? refinedDepth(surface, double(best) * step) : 0;
     }
 

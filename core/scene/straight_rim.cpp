@@ -5,17 +5,16 @@
 
 #include "base/random.h"
 #include "base/statistics.h"
+#include "scene/flat_surface.h"
 #include "scene/rim.h"
 #include "scene/vertex_rings.h"
 
 namespace relamp {
 namespace {
 
-constexpr size_t seeds = 200, mostSurfaces = 4, mostRims = 12;
-constexpr float planeTolerance = 0.004f, rimTolerance = 0.012f;  ///< of the diagonal
-constexpr double alongNormal = 0.9;                              ///< cosine between normals of mesh and plane
-constexpr double bent = 0.3;                                     ///< the same, of triangles at a rim
-constexpr double leastArea = 0.05;                               ///< of the mesh
+constexpr size_t mostRims = 12;
+constexpr float rimTolerance = 0.012f;  ///< of the diagonal
+constexpr double bent = 0.3;            ///< cosine between normals of triangles at a rim and of the plane
 constexpr uint64_t lineTrials = 3000;
 constexpr double lineTolerance = 1.5;  ///< of the spacing
 constexpr double turned = 0.5;         ///< cosine between a piece of the rim and the line
@@ -26,11 +25,6 @@ constexpr int bentRings = 5;          ///< of a rim that is bent, without going 
 constexpr double creasedPart = 0.1;   ///< of the line: the surface goes on beyond it
 constexpr double lostEnd = 0.35;      ///< of a line, that corners make up for
 constexpr double hole = 8;            ///< spacings between pieces of a rim that are short
-
-struct Plane {
-    DVec3 point{0}, up{0, 0, 1};
-    double area = 0;
-};
 
 /// A piece of rim in its plane.
 struct Piece {
@@ -50,60 +44,6 @@ struct Line {
     double at(const glm::dvec2& p) const { return glm::dot(p - point, along); }
 };
 
-std::vector<uint32_t> byRank(const Scene& scene) {
-    std::vector<uint32_t> order;
-    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
-        if (scene.referenced[v]) order.push_back(v);
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return std::pair(scene.rank[a], a) < std::pair(scene.rank[b], b); });
-    return order;
-}
-
-double areaAt(const Scene& scene, uint32_t v) {
-    return double(scene.vertexSpacing[v]) * double(scene.vertexSpacing[v]);
-}
-
-bool onPlane(const Scene& scene, const Plane& plane, uint32_t v) {
-    return std::abs(glm::dot(DVec3(scene.mesh.positions[v]) - plane.point, plane.up)) <
-               double(planeTolerance * scene.diagonal) &&
-           glm::dot(DVec3(scene.mesh.normals[v]), plane.up) > alongNormal;
-}
-
-/// The least squares plane of the vertices on one: heights tell its tilt to a fraction of what normals do.
-Plane fitted(const Scene& scene, const Plane& plane, const std::vector<uint32_t>& vertices) {
-    const glm::dmat3 axes(frameAround(Vec3(plane.up)));
-    const DVec3 up = plane.up, x = axes[0], y = glm::cross(up, x);
-    glm::dmat3 a(0);
-    DVec3 b(0);
-    double area = 0;
-    for (const uint32_t v : vertices) {
-        if (!onPlane(scene, plane, v)) continue;
-        const DVec3 p = DVec3(scene.mesh.positions[v]) - plane.point, terms(1, glm::dot(p, x), glm::dot(p, y));
-        a += areaAt(scene, v) * glm::outerProduct(terms, terms);
-        b += areaAt(scene, v) * glm::dot(p, up) * terms;
-        area += areaAt(scene, v);
-    }
-    const DVec3 c = glm::inverse(a) * b;
-    if (!isFinite(Vec3(c))) return plane;
-    return {plane.point + c.x * up, glm::normalize(up - c.y * x - c.z * y), area};
-}
-
-/// Planes with a large part of the area of `left`, whose vertices they take.
-std::optional<Plane> largestPlane(const Scene& scene, std::vector<uint32_t>& left, double total) {
-    const auto on = [&](const Plane& plane, uint32_t v) { return onPlane(scene, plane, v); };
-    Plane best;
-    for (size_t i = 0; i < std::min(seeds, left.size()); ++i) {
-        Plane plane{DVec3(scene.mesh.positions[left[i]]), DVec3(scene.mesh.normals[left[i]]), 0};
-        for (const uint32_t v : left)
-            if (on(plane, v)) plane.area += areaAt(scene, v);
-        if (plane.area > best.area) best = plane;
-    }
-    for (int refinement = 0; refinement < 4 && best.area > 0; ++refinement) best = fitted(scene, best, left);
-    std::erase_if(left, [&](uint32_t v) { return on(best, v); });
-    if (!(best.area > leastArea * total)) return {};
-    return best;
-}
-
 /// The face on the left of each directed edge.
 using FaceOfEdge = std::unordered_map<uint64_t, uint32_t>;
 
@@ -118,12 +58,12 @@ FaceOfEdge facesOfEdges(const Mesh& mesh) {
 }
 
 /// Where a flat surface ends: at the mesh's rim, or at a face that falls away.
-std::vector<Piece> endsOf(const Scene& scene, const FaceOfEdge& faces, const Plane& plane, const DVec3& x,
+std::vector<Piece> endsOf(const Scene& scene, const FaceOfEdge& faces, const FlatSurface& plane, const DVec3& x,
                           const DVec3& y) {
     const Mesh& mesh = scene.mesh;
     const auto off = [&](uint32_t v) { return glm::dot(DVec3(mesh.positions[v]) - plane.point, plane.up); };
     std::vector<uint8_t> onIt(mesh.vertexCount());
-    for (uint32_t v = 0; v < onIt.size(); ++v) onIt[v] = onPlane(scene, plane, v);
+    for (uint32_t v = 0; v < onIt.size(); ++v) onIt[v] = liesOn(scene, plane, v);
     const auto isFlat = [&](uint32_t t) {
         const Triangle& corners = mesh.triangles[t];
         return onIt[corners[0]] && onIt[corners[1]] && onIt[corners[2]];
@@ -265,34 +205,30 @@ double heightBesideRim(const Scene& scene) { return double(rimTolerance * scene.
 
 std::vector<StraightRim> straightRims(const Scene& scene, const std::vector<uint8_t>& leftOut) {
     const FaceOfEdge faces = facesOfEdges(scene.mesh);
-    std::vector<uint32_t> left = byRank(scene);
     std::vector<StraightRim> result;
-    double total = 0;
-    for (const uint32_t v : left) total += areaAt(scene, v);
-    std::erase_if(left, [&](uint32_t v) { return leftOut[v] != 0; });
-    for (uint32_t s = 0; s < mostSurfaces; ++s) {
-        const std::optional<Plane> plane = largestPlane(scene, left, total);
-        if (!plane) break;
+    const std::vector<FlatSurface> surfaces = flatSurfaces(scene, leftOut);
+    for (uint32_t s = 0; s < surfaces.size(); ++s) {
+        const FlatSurface& plane = surfaces[s];
         const DVec3 x = glm::normalize(
-                        glm::cross(plane->up, std::abs(plane->up.x) < 0.7 ? DVec3(1, 0, 0) : DVec3(0, 1, 0))),
-                    y = glm::cross(plane->up, x);
-        std::vector<Piece> pieces = endsOf(scene, faces, *plane, x, y);
+                        glm::cross(plane.up, std::abs(plane.up.x) < 0.7 ? DVec3(1, 0, 0) : DVec3(0, 1, 0))),
+                    y = glm::cross(plane.up, x);
+        std::vector<Piece> pieces = endsOf(scene, faces, plane, x, y);
         std::vector<double> lengths;
         for (const Piece& p : pieces) lengths.push_back(glm::length(p.b - p.a));
         if (pieces.empty()) continue;
         const double spacing = medianOf(std::move(lengths));
         RimLines lines(std::move(pieces), spacing,
-                       std::max(leastSpacings * spacing, longEnough * leastCovered * std::sqrt(plane->area)));
+                       std::max(leastSpacings * spacing, longEnough * leastCovered * std::sqrt(plane.area)));
         for (size_t k = 0; k < mostRims; ++k) {
             const std::optional<Line> line = lines.next();
             if (!line) break;
             const double length = line->last - line->first;
-            if (length < longEnough * std::sqrt(plane->area) || line->covered < leastCovered * length) continue;
+            if (length < longEnough * std::sqrt(plane.area) || line->covered < leastCovered * length) continue;
             const auto world = [&](double at) {
                 const glm::dvec2 p = line->point + at * line->along;
-                return plane->point + p.x * x + p.y * y;
+                return plane.point + p.x * x + p.y * y;
             };
-            result.push_back({world(line->first), world(line->last), plane->up, spacing, s,
+            result.push_back({world(line->first), world(line->last), plane.up, spacing, s,
                               line->creased > creasedPart * length, false, false});
         }
     }

@@ -1,0 +1,82 @@
+#include "scene/flat_surface.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace relamp {
+namespace {
+
+constexpr size_t seeds = 200, mostSurfaces = 4;
+constexpr float planeTolerance = 0.004f;  ///< of the diagonal
+constexpr double alongNormal = 0.9;       ///< cosine between normals of mesh and plane
+constexpr double leastArea = 0.05;        ///< of the mesh
+
+std::vector<uint32_t> byRank(const Scene& scene) {
+    std::vector<uint32_t> order;
+    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+        if (scene.referenced[v]) order.push_back(v);
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return std::pair(scene.rank[a], a) < std::pair(scene.rank[b], b); });
+    return order;
+}
+
+double areaAt(const Scene& scene, uint32_t v) {
+    return double(scene.vertexSpacing[v]) * double(scene.vertexSpacing[v]);
+}
+
+/// The least squares plane of the vertices on one: heights tell its tilt to a fraction of what normals do.
+FlatSurface fitted(const Scene& scene, const FlatSurface& plane, const std::vector<uint32_t>& vertices) {
+    const glm::dmat3 axes(frameAround(Vec3(plane.up)));
+    const DVec3 up = plane.up, x = axes[0], y = glm::cross(up, x);
+    glm::dmat3 a(0);
+    DVec3 b(0);
+    double area = 0;
+    for (const uint32_t v : vertices) {
+        if (!liesOn(scene, plane, v)) continue;
+        const DVec3 p = DVec3(scene.mesh.positions[v]) - plane.point, terms(1, glm::dot(p, x), glm::dot(p, y));
+        a += areaAt(scene, v) * glm::outerProduct(terms, terms);
+        b += areaAt(scene, v) * glm::dot(p, up) * terms;
+        area += areaAt(scene, v);
+    }
+    const DVec3 c = glm::inverse(a) * b;
+    if (!isFinite(Vec3(c))) return plane;
+    return {plane.point + c.x * up, glm::normalize(up - c.y * x - c.z * y), area};
+}
+
+/// Planes with a large part of the area of `left`, whose vertices they take.
+std::optional<FlatSurface> largestPlane(const Scene& scene, std::vector<uint32_t>& left, double total) {
+    FlatSurface best;
+    for (size_t i = 0; i < std::min(seeds, left.size()); ++i) {
+        FlatSurface plane{DVec3(scene.mesh.positions[left[i]]), DVec3(scene.mesh.normals[left[i]]), 0};
+        for (const uint32_t v : left)
+            if (liesOn(scene, plane, v)) plane.area += areaAt(scene, v);
+        if (plane.area > best.area) best = plane;
+    }
+    for (int refinement = 0; refinement < 4 && best.area > 0; ++refinement) best = fitted(scene, best, left);
+    std::erase_if(left, [&](uint32_t v) { return liesOn(scene, best, v); });
+    if (!(best.area > leastArea * total)) return {};
+    return best;
+}
+
+}  // namespace
+
+bool liesOn(const Scene& scene, const FlatSurface& surface, uint32_t vertex) {
+    return std::abs(surface.off(DVec3(scene.mesh.positions[vertex]))) < double(planeTolerance * scene.diagonal) &&
+           glm::dot(DVec3(scene.mesh.normals[vertex]), surface.up) > alongNormal;
+}
+
+std::vector<FlatSurface> flatSurfaces(const Scene& scene, const std::vector<uint8_t>& leftOut) {
+    std::vector<uint32_t> left = byRank(scene);
+    double total = 0;
+    for (const uint32_t v : left) total += areaAt(scene, v);
+    std::erase_if(left, [&](uint32_t v) { return leftOut[v] != 0; });
+    std::vector<FlatSurface> result;
+    while (result.size() < mostSurfaces) {
+        const std::optional<FlatSurface> next = largestPlane(scene, left, total);
+        if (!next) break;
+        result.push_back(*next);
+    }
+    return result;
+}
+
+}  // namespace relamp
