@@ -132,6 +132,7 @@ private:
                 shown.size());
         if (double(shown.size()) > mostlyEnds * lines)
             ends_.push_back({out, glm::dot(s.point, out) + double(medianOf(std::move(shown)))});
+        if (meshGoesOn(side)) return {};
         if (double(cut.size()) < mostlyCut * lines || double(cut.size()) * side.cell < leastLong * (high - low))
             return {};
         std::nth_element(cut.begin(), cut.begin() + ptrdiff_t(9 * cut.size() / 10), cut.end());
@@ -140,6 +141,21 @@ private:
         toCorners(side, all);
         findReplaced(side);
         return side;
+    }
+
+    /// The mesh has what no photograph shows there, as a scan does: on most of the lines it goes on in the plane.
+    bool meshGoesOn(const CutSurface& side) const {
+        std::vector<uint8_t> on(side.lines.size(), 0);
+        for (uint32_t v = 0; v < scene_.mesh.vertexCount(); ++v) {
+            if (!scene_.referenced[v] || !liesOn(scene_, side.surface, v)) continue;
+            const DVec3 p = DVec3(scene_.mesh.positions[v]) - side.surface.point;
+            const double line = std::round((glm::dot(p, side.along) - side.first) / side.cell);
+            if (!(line >= 0) || line >= double(side.lines.size())) continue;
+            const CutSurface::Line& l = side.lines[size_t(line)];
+            if (l.reach > 0 && glm::dot(p, side.out) > l.end + cellsOnward * side.cell) on[size_t(line)] = 1;
+        }
+        const auto cut = std::count_if(side.lines.begin(), side.lines.end(), [](const auto& l) { return l.reach > 0; });
+        return 2 * std::count(on.begin(), on.end(), 1) > cut;
     }
 
     /// One line from where the mesh ends; `ends`: photographs show that it does.

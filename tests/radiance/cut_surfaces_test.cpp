@@ -83,6 +83,11 @@ TEST(CutSurfaces, AWallThatAPhotographShowsToEndIsWhole) {
     EXPECT_EQ(upwards(sides, {0, -1, 0}), nullptr);
 }
 
+TEST(CutSurfaces, AMeshThatHasWhatNoPhotographShowsKeepsIt) {
+    const Mesh whole = room(1.2f, 1.2f);
+    EXPECT_EQ(upwards(cutIn(whole, whole), {0, -1, 0}), nullptr);
+}
+
 TEST(CutSurfaces, AFloorAloneIsLeftAsItIs) {
     const Mesh floor = test::sheet({-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 60, 60);
     EXPECT_TRUE(cutIn(test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, 60, 60), floor).empty());
