@@ -20,6 +20,7 @@ LightingStepReport lightingStep(const InfluenceMatrix& influence, const MatteObs
         Eigen::VectorXd x{n}, albedoOf{Eigen::Index(rows)};
         for (size_t i = 0; i < leaves; ++i) x(Eigen::Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitters; ++e) x(Eigen::Index(leaves + e)) = lighting.emitterRadiance[e][c];
+        x = x.cwiseMax(prior.lowest(c));
         std::vector<double> variance(rows), target(rows);
         for (size_t i = 0; i < rows; ++i) {
             const double a = albedo[matte.vertices[i]][c], y = matte.radiance[i][c];

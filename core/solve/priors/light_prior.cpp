@@ -1,6 +1,12 @@
 #include "solve/priors/light_prior.h"
 
 namespace relamp {
+namespace {
+
+/// Of what is seen of a leaf: a background is not quite distant, and a mesh lets pixels past that it should not.
+constexpr float seenAtLeast = 1;
+
+}  // namespace
 
 LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
                        std::optional<InfluenceRows> rows)
@@ -181,6 +187,17 @@ void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::Vec
     }
 }
 
+Eigen::VectorXd LightPrior::lowest(int channel) const {
+    Eigen::VectorXd lower = Eigen::VectorXd::Zero(leaves() + Eigen::Index(anchors_.emitterRadiance.size()));
+    for (size_t i = 0; i < size_t(leaves()); ++i)
+        lower(Eigen::Index(i)) =
+            double(seenAtLeast * anchors_.leaves[i].coverage * anchors_.leaves[i].radiance[channel]);
+    for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e)
+        if (anchors_.emitterClipped[e])
+            lower(leaves() + Eigen::Index(e)) = double(anchors_.emitterRadiance[e][channel]);
+    return lower;
+}
+
 void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment,
                      Eigen::VectorXd& lower) const {
     const std::vector<double> units = meansOf(x);
@@ -212,13 +229,13 @@ void LightPrior::add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, 
         moment(i) += w * double(anchors_.leaves[size_t(i)].radiance[channel]);
     }
     for (const ProbeRows& p : probes_) p.add(x, channel, q, moment);
+    // There may be more unknowns than the priors know of.
+    const Eigen::VectorXd least = lowest(channel);
+    lower.head(least.size()) = lower.head(least.size()).cwiseMax(least);
     for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e) {
         const Eigen::Index i = leaves() + Eigen::Index(e);
         const double value = anchors_.emitterRadiance[e][channel];
-        if (anchors_.emitterClipped[e]) {
-            lower(i) = value;
-            continue;
-        }
+        if (anchors_.emitterClipped[e]) continue;
         const double w = emitter(e, channel, q(i, i));
         q(i, i) += w;
         moment(i) += w * value;

@@ -37,9 +37,11 @@ public:
     LightPrior(const LightPrior&) = delete;
     /// Sum of the smoothness and background terms (the emitters' near-equalities hold by construction).
     double value(const Eigen::VectorXd& x, int channel) const;
-    /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x) and the lower bounds of
-    /// clipped emitters. The smoothness term is a Gauss-Newton model of r = (L_i - L_j) / d, d^2 = mean^2 + middle^2,
-    /// with the derivative of d: a model without it shrinks the light, with it the scale of the light is free.
+    /// Lower bounds of a channel: what is seen of a leaf, even if the rest of it were black, and clipped emitters.
+    Eigen::VectorXd lowest(int channel) const;
+    /// Adds the quadratic model of the priors about x: q, moment (minimise x'qx - 2 moment'x), and sets the lower
+    /// bounds. The smoothness term is a Gauss-Newton model of r = (L_i - L_j) / d, d^2 = mean^2 + middle^2, with the
+    /// derivative of d: a model without it shrinks the light, with it the scale of the light is free.
     void add(const Eigen::VectorXd& x, int channel, Eigen::MatrixXd& q, Eigen::VectorXd& moment,
              Eigen::VectorXd& lower) const;
     /// The hue of neighbouring leaves: sum over pairs of channels of w (r_c - r_d)^2 with the relative differences r of

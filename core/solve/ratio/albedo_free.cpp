@@ -149,6 +149,7 @@ RatioFit::RatioFit(const InfluenceRows& influence, const MatteObservations& matt
         x.resize(n_);
         for (size_t i = 0; i < leafCount_; ++i) x(Index(i)) = lighting.leafRadiance[i][c];
         for (size_t e = 0; e < emitterCount_; ++e) x(Index(leafCount_ + e)) = lighting.emitterRadiance[e][c];
+        x = x.cwiseMax(prior_.lowest(c));
     }
     // Directions that light no observation have columns of zeros; some that light all alike need not be told apart.
     if (!options.fold.empty() || !options.emptyColumns) {
@@ -427,8 +428,7 @@ void RatioFit::writeBack() {
 
 void RatioFit::iterate(const std::function<void(int, double, double)>& each) {
     const int settled = options_.anneal ? 3 : 0;  // from then on the objective is one and the same
-    // Products are by far the most of an iteration, and the model's end is where its slope is zero, which is computed
-    // anew each time: while the light moves little they stay as they are.
+    // Products are by far the most of an iteration, and slopes are exact: they stay while the light moves little.
     double moved = 0;
     scale_ = options_.robustScale;
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {

@@ -6,22 +6,27 @@ namespace relamp {
 
 namespace {
 
+constexpr float leastCoverage = 0.05f;  ///< of a leaf by pixels, below which nothing is said to be seen of it
+
+/// What of a leaf no pixel saw: the mean of the whole leaf is what was found, and the rest of it is known.
+Rgb besideBackground(const SolveRun& s, size_t leaf) {
+    constexpr float mostSeen = 0.9f;  // beyond it what is left would be a difference of two large numbers
+    const LeafAnchor& seen = s.light.anchors.leaves[leaf];
+    const Rgb whole = s.light.lighting.leafRadiance[leaf];
+    if (seen.coverage <= leastCoverage || seen.coverage > mostSeen || seen.clipped) return whole;
+    return glm::max(whole - seen.coverage * seen.radiance, Rgb(0)) / (1 - seen.coverage);
+}
+
 /// Of one environment, the radiance of the cells of the square.
 std::vector<Rgb> environmentCells(const SolveRun& s, const DirectionGrid& fine, size_t environment) {
-    std::vector<Rgb> cells(size_t(fine.cells()));
-    const DirectionGrid& seen = s.in.samples.backgroundGrid;
-    const int step = fine.side / seen.side;
+    std::vector<Rgb> cells(size_t(fine.cells())), rest;
+    for (size_t leaf = 0; leaf < s.light.lighting.leaves.size(); ++leaf) rest.push_back(besideBackground(s, leaf));
     const std::vector<uint32_t> leafOf = s.light.lighting.leaves.leafOfCells(fine, environment);
     for (int c = 0; c < fine.cells(); ++c) {
         const uint32_t leaf = leafOf[size_t(c)];
-        const size_t coarse =
-            environment * size_t(seen.cells()) + size_t((c / fine.side / step) * seen.side + (c % fine.side) / step);
-        const bool direct = !s.light.environmentBlack && s.in.samples.backgroundPixels[coarse] >= 4 &&
-                            !s.in.samples.backgroundClipped[coarse];
-        cells[size_t(c)] = direct && s.light.anchors.leaves[leaf].coverage > 0.05f
-                               ? s.in.samples.background[coarse]
-                               : s.light.lighting.leafRadiance[leaf];
-        if (!direct && !s.light.anchors.probes.empty() && !s.light.environmentBlack)
+        const std::optional<Rgb> background = backgroundAt(s, fine, environment, c, leaf);
+        cells[size_t(c)] = background ? *background : rest[leaf];
+        if (!background && !s.light.anchors.probes.empty() && !s.light.environmentBlack)
             cells[size_t(c)] *= detailOf(s.in.options.probes, s.light.anchors, size_t(c), leaf);
     }
     return cells;
@@ -43,6 +48,18 @@ void assembleEnvironments(const SolveRun& s, Estimate& estimate) {
 }
 
 }  // namespace
+
+std::optional<Rgb> backgroundAt(const SolveRun& s, const DirectionGrid& grid, size_t environment, int cell,
+                                uint32_t leaf) {
+    const DirectionGrid& seen = s.in.samples.backgroundGrid;
+    const int step = grid.side / seen.side;
+    const size_t at =
+        environment * size_t(seen.cells()) + size_t((cell / grid.side / step) * seen.side + cell % grid.side / step);
+    if (s.light.environmentBlack || s.in.samples.backgroundPixels[at] < 4 || s.in.samples.backgroundClipped[at] ||
+        s.light.anchors.leaves[leaf].coverage <= leastCoverage)
+        return std::nullopt;
+    return s.in.samples.background[at];
+}
 
 std::vector<size_t> environmentsInOrder(const SolveRun& s) {
     std::vector<size_t> order(1, size_t(std::max(0, s.in.samples.environmentOf(s.mainState()))));

@@ -128,7 +128,7 @@ void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const Li
         for (size_t c = 0; c < cells.size(); ++c) {
             const uint32_t leaf = leafOf[c];
             const Rgb relative =
-                cells[c] == s.light.lighting.leafRadiance[leaf] ? light.leafSigma[leaf] : Rgb(background);
+                backgroundAt(s, fine, order[k], int(c), leaf) ? Rgb(background) : light.leafSigma[leaf];
             deviations[c] = relative * cells[c];
         }
     }

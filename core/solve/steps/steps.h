@@ -130,6 +130,9 @@ void askAlbedoStrength(SolveRun& s, const Irradiance& irradiance);
 // closing: assemble.cpp, certainty.cpp, gauge.cpp, hold_out.cpp, references.cpp
 /// Lighting, environment image, emitters and reflectance as they stand, before the gauge.
 Estimate assemble(const SolveRun& s);
+/// What background pixels show in a cell of a grid along the scene's axes, `leaf` holds it; none where none saw it.
+std::optional<Rgb> backgroundAt(const SolveRun& s, const DirectionGrid& grid, size_t environment, int cell,
+                                uint32_t leaf);
 /// The environments of the lighting states in the order of an estimate's: first that of the main state.
 std::vector<size_t> environmentsInOrder(const SolveRun& s);
 /// From the square along the scene's axes to the world's.

@@ -120,6 +120,21 @@ TEST(LightPrior, OfTwoEnvironmentsIsTheSumOfBothAndHasTheGradientOfItsValue) {
     }
 }
 
+TEST(LightPrior, ALeafHasAtLeastWhatIsSeenOfIt) {
+    test::SmallProblem p = test::smallProblem();
+    p.anchors.leaves[3] = {Rgb(2, 4, 8), 0.75f, false};
+    p.anchors.leaves[4] = {Rgb(100), 1.0f, true};
+    p.anchors.emitterClipped[0] = 1;
+    const LightPrior prior(p.truth.leaves, p.anchors, {});
+    const Eigen::VectorXd lowest = prior.lowest(1);
+    const Eigen::Index n = Eigen::Index(p.truth.leaves.size());
+    ASSERT_EQ(lowest.size(), n + 1);
+    EXPECT_DOUBLE_EQ(lowest(3), 3.0);
+    EXPECT_DOUBLE_EQ(lowest(4), 100.0);
+    EXPECT_DOUBLE_EQ(lowest(5), 0.0);
+    EXPECT_DOUBLE_EQ(lowest(n), 10.0);
+}
+
 TEST(LightPrior, PullsASeenLeafToWhatWasSeen) {
     test::SmallProblem p = test::smallProblem();
     p.anchors.leaves[10] = {Rgb(5), 1.0f, false};
