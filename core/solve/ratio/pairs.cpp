@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "image/direction_grid.h"
 
 namespace relamp {
 namespace {
@@ -215,6 +216,38 @@ std::vector<AlbedoPair> pairsOfStates(const Scene& scene, const MatteObservation
 
 }  // namespace
 
+void weighOrientations(const Scene& scene, const MatteObservations& matte, std::vector<AlbedoPair>& pairs) {
+    // Counted by cells, each with the mean of its normals and with soft cones: it does not matter which of two cells
+    // gets a normal between them.
+    constexpr float rim = 0.88f;  // cosine at which a cone ends: 28 degrees, half of it within 20
+    const DirectionGrid grid{16, scene.axes};
+    std::vector<Vec3> mean(size_t(grid.cells()), Vec3(0));
+    std::vector<float> count(mean.size(), 0);
+    for (const uint32_t v : matte.vertices) {
+        const auto cell = size_t(grid.cellOf(scene.mesh.normals[v]));
+        mean[cell] += scene.mesh.normals[v];
+        count[cell] += 1;
+    }
+    for (Vec3& m : mean) m = glm::dot(m, m) > 0 ? glm::normalize(m) : Vec3(0);
+    std::vector<double> facing(matte.vertices.size(), 0);
+    parallelFor(facing.size(), 1024, [&](size_t i) {
+        const Vec3& normal = scene.mesh.normals[matte.vertices[i]];
+        for (size_t c = 0; c < mean.size(); ++c)
+            facing[i] += double(count[c] * std::max(0.0f, (glm::dot(normal, mean[c]) - rim) / (1 - rim)));
+        facing[i] = std::max(facing[i], 1.0);
+    });
+    double before = 0, after = 0;
+    const auto factor = [&](const AlbedoPair& p) { return std::pow(facing[p.a] * facing[p.b], -0.25); };
+    for (const AlbedoPair& p : pairs) {
+        if (p.same) continue;
+        before += double(p.weight);
+        after += double(p.weight) * factor(p);
+    }
+    if (!(after > 0)) return;
+    for (AlbedoPair& p : pairs)
+        if (!p.same) p.weight *= float(before / after * factor(p));
+}
+
 RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& samples, std::vector<uint8_t> skip,
                                     uint64_t seed, bool noMetals) {
     RatioObservations result;
@@ -232,6 +265,7 @@ RatioObservations ratioObservations(const Scene& scene, const RadianceSamples& s
     // Distant light alone changes with the way a surface faces, not with its place.
     if (std::none_of(skip.begin(), skip.end(), [](uint8_t s) { return s != 0; })) options.longPairs = 0;
     result.pairs = pairsOfStates(scene, result.matte, options);
+    weighOrientations(scene, result.matte, result.pairs);
     result.skip = std::move(skip);
     result.seed = seed;
     return result;

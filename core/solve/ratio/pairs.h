@@ -34,6 +34,12 @@ struct PairOptions {
 /// go. Vertices of metal components take no part.
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
+/// Surfaces that face alike get the same light with the same error: waves of the mesh and coarse visibility. With n
+/// observations facing within 20 degrees of one, its pairs weigh 1 / sqrt(n), and all pairs together what they weighed
+/// before. Otherwise a wide floor, which tells distant light by its height alone, outvotes whatever faces the light.
+/// Pairs of one vertex in two lighting states stay as they are. O(observations + pairs).
+void weighOrientations(const Scene& scene, const MatteObservations& matte, std::vector<AlbedoPair>& pairs);
+
 /// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no
 /// component is a metal, however much it differs between the views; what it looks like is the median of the views, as
 /// on a matte surface.
