@@ -219,7 +219,7 @@ std::vector<AlbedoPair> pairsOfStates(const Scene& scene, const MatteObservation
 void weighOrientations(const Scene& scene, const MatteObservations& matte, std::vector<AlbedoPair>& pairs) {
     // Counted by cells, each with the mean of its normals and with soft cones: it does not matter which of two cells
     // gets a normal between them.
-    constexpr float rim = 0.88f;  // cosine at which a cone ends: 28 degrees, half of it within 20
+    constexpr float rim = 0.88f;  // cosine at which a cone ends, 28 degrees; half at 20
     const DirectionGrid grid{16, scene.axes};
     std::vector<Vec3> mean(size_t(grid.cells()), Vec3(0));
     std::vector<float> count(mean.size(), 0);

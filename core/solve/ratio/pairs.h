@@ -35,9 +35,9 @@ struct PairOptions {
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options);
 
 /// Surfaces that face alike get the same light with the same error: waves of the mesh and coarse visibility. With n
-/// observations facing within 20 degrees of one, its pairs weigh 1 / sqrt(n), and all pairs together what they weighed
-/// before. Otherwise a wide floor, which tells distant light by its height alone, outvotes whatever faces the light.
-/// Pairs of one vertex in two lighting states stay as they are. O(observations + pairs).
+/// observations that face alike (a soft cone, half at 20 degrees), their pairs weigh 1 / sqrt(n), and all pairs
+/// together what they weighed before. Otherwise a wide floor outvotes whatever faces the light. Pairs of one vertex in
+/// two lighting states stay as they are. O(256 observations + pairs).
 void weighOrientations(const Scene& scene, const MatteObservations& matte, std::vector<AlbedoPair>& pairs);
 
 /// What ratios of radiance are taken from. `skip`: per vertex 1 where an emitter or a candidate lies. `noMetals`: no
