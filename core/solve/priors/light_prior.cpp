@@ -1,12 +1,6 @@
 #include "solve/priors/light_prior.h"
 
 namespace relamp {
-namespace {
-
-/// Of what is seen of a leaf: a background is not quite distant, and a mesh lets pixels past that it should not.
-constexpr float seenAtLeast = 1;
-
-}  // namespace
 
 LightPrior::LightPrior(const LightLeaves& leaves, const LightAnchors& anchors, const LightPriorOptions& options,
                        std::optional<InfluenceRows> rows)
@@ -190,8 +184,7 @@ void LightPrior::addHue(const Eigen::VectorXd* x, Eigen::MatrixXd& q, Eigen::Vec
 Eigen::VectorXd LightPrior::lowest(int channel) const {
     Eigen::VectorXd lower = Eigen::VectorXd::Zero(leaves() + Eigen::Index(anchors_.emitterRadiance.size()));
     for (size_t i = 0; i < size_t(leaves()); ++i)
-        lower(Eigen::Index(i)) =
-            double(seenAtLeast * anchors_.leaves[i].coverage * anchors_.leaves[i].radiance[channel]);
+        lower(Eigen::Index(i)) = double(anchors_.leaves[i].coverage * anchors_.leaves[i].radiance[channel]);
     for (size_t e = 0; e < anchors_.emitterRadiance.size(); ++e)
         if (anchors_.emitterClipped[e])
             lower(leaves() + Eigen::Index(e)) = double(anchors_.emitterRadiance[e][channel]);
