@@ -17,7 +17,7 @@ bool tiesScale(const LightAnchors& anchors, float darkness) {
     // brightest surfaces.
     double light = 0;
     for (const LeafAnchor& a : anchors.leaves)
-        if (a.coverage > 0.05f && !a.clipped) light += double(a.area * maxChannel(a.radiance)) / piD;
+        if (a.seen() && !a.clipped) light += double(a.area * maxChannel(a.radiance)) / piD;
     constexpr double least = 3;
     return light > least * double(darkness);
 }

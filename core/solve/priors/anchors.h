@@ -12,6 +12,9 @@ struct LeafAnchor {
     float coverage = 0;  ///< fraction of the leaf that background pixels cover, 0: unobserved
     bool clipped = false;
     float area = 0;  ///< of it that is seen, steradians
+
+    /// Whether enough of it is seen to say anything.
+    bool seen() const { return coverage > 0.05f; }
 };
 
 /// What a light probe holds of each leaf (solve/probe).

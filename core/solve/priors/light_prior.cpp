@@ -54,7 +54,7 @@ double LightPrior::smoothness(size_t pair) const {
 
 double LightPrior::background(size_t leaf, int channel, double unit) const {
     const LeafAnchor& a = anchors_.leaves[leaf];
-    if (a.coverage <= 0.05f || a.clipped) return 0;
+    if (!a.seen() || a.clipped) return 0;
     const double spread = 0.02 + 0.7 * (1 - double(a.coverage)), value = a.radiance[channel];
     return options_.backgroundWeight / (spread * spread) / (value * value + 0.01 * unit * unit + 1e-300);
 }

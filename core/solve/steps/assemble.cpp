@@ -6,15 +6,13 @@ namespace relamp {
 
 namespace {
 
-constexpr float leastCoverage = 0.05f;  ///< of a leaf by pixels, below which nothing is said to be seen of it
-
 /// What of a leaf no pixel saw: the mean of the whole leaf is what was found, and the rest of it is known.
 Rgb besideBackground(const SolveRun& s, size_t leaf) {
     constexpr float mostSeen = 0.9f;  // beyond it what is left would be a difference of two large numbers
-    const LeafAnchor& seen = s.light.anchors.leaves[leaf];
+    const LeafAnchor& anchor = s.light.anchors.leaves[leaf];
     const Rgb whole = s.light.lighting.leafRadiance[leaf];
-    if (seen.coverage <= leastCoverage || seen.coverage > mostSeen || seen.clipped) return whole;
-    return glm::max(whole - seen.coverage * seen.radiance, Rgb(0)) / (1 - seen.coverage);
+    if (!anchor.seen() || anchor.coverage > mostSeen || anchor.clipped) return whole;
+    return glm::max(whole - anchor.coverage * anchor.radiance, Rgb(0)) / (1 - anchor.coverage);
 }
 
 /// Of one environment, the radiance of the cells of the square.
@@ -56,7 +54,7 @@ std::optional<Rgb> backgroundAt(const SolveRun& s, const DirectionGrid& grid, si
     const size_t at =
         environment * size_t(seen.cells()) + size_t((cell / grid.side / step) * seen.side + cell % grid.side / step);
     if (s.light.environmentBlack || s.in.samples.backgroundPixels[at] < 4 || s.in.samples.backgroundClipped[at] ||
-        s.light.anchors.leaves[leaf].coverage <= leastCoverage)
+        !s.light.anchors.leaves[leaf].seen())
         return std::nullopt;
     return s.in.samples.background[at];
 }

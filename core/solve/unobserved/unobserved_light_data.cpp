@@ -148,7 +148,7 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
     for (LeafAnchor& a : data.anchors.leaves) {
         a.radiance = Rgb(luminance(a.radiance));
         // Black environment tie nothing down.
-        data.anchored |= a.coverage > 0.05f && !a.clipped && double(a.radiance.x) > 0.05 * middle;
+        data.anchored |= a.seen() && !a.clipped && double(a.radiance.x) > 0.05 * middle;
     }
     // The priors are made for all pairs of the scene.
     const float thinned = float(data.pairs.size()) / float(std::max<size_t>(1, all.size()));
