@@ -89,9 +89,8 @@ double observedPsnr(const View& view, const ComparedPixels& pixels, const Scene&
 
 /// Squared display step that the photograph's own noise makes at a pixel of radiance `y`: no model is to explain that.
 double squaredNoiseStep(const Rgb& y, const RadianceSamples& samples, float exposure) {
-    // An observation averages about two pixels (radiance/gather.cpp).
     Rgb noise;
-    for (int c = 0; c < 3; ++c) noise[c] = samples.sigma(y[c]) / 0.7f;
+    for (int c = 0; c < 3; ++c) noise[c] = samples.sigmaOfPixel(y[c]);
     return 0.5 * (squaredDisplayStep(y + noise, y, exposure) + squaredDisplayStep(y - noise, y, exposure));
 }
 

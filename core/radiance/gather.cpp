@@ -3,9 +3,14 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "radiance/footprint.h"
 
 namespace relamp {
 namespace {
+
+constexpr float leastNoise = 0.003f;  ///< relative: photographs are never better known
+/// Times the median radiance: brighter vertices may be emitters, which end and change where their own pixels say.
+constexpr float mostAveraged = 4;
 
 /// First hit of every pixel centre.
 ViewGeometry traceView(const View& view, const Scene& scene, Progress& progress) {
@@ -36,70 +41,18 @@ ViewGeometry traceView(const View& view, const Scene& scene, Progress& progress)
     return g;
 }
 
-/// One vertex in one view: bilinear over the pixels of the 2 x 2 block that see the vertex's own surface.
-bool lookUp(const View& view, const ViewGeometry& g, const Scene& scene, uint32_t v, const GatherOptions& options,
-            RadianceSample& out) {
-    const Vec3 position = scene.mesh.positions[v], normal = scene.mesh.normals[v];
-    const Vec3 eye(view.camera.position());
-    const float distance = glm::length(eye - position);
-    if (!(distance > 0)) return false;
-    const Vec3 towardEye = (eye - position) / distance;
-    const float cosine = glm::dot(normal, towardEye);
-    if (cosine < options.grazingCosine) return false;
-    const auto pixel = view.camera.project(DVec3(position));
-    if (!pixel || pixel->x < 0.5f || pixel->y < 0.5f || pixel->x >= g.width - 0.5f || pixel->y >= g.height - 0.5f)
-        return false;
-    const float offset = scene.tracer->surfaceOffset();
-    const Ray ray{position + normal * offset * 4.0f, towardEye, offset, distance - offset};
-    if (scene.cameraTracer->occluded(ray)) return false;
-
-    const float x = pixel->x - 0.5f, y = pixel->y - 0.5f;
-    const int x0 = std::min(int(x), g.width - 2), y0 = std::min(int(y), g.height - 2);
-    const float fx = x - x0, fy = y - y0;
-    const float footprint =
-        distance / float(std::min(view.camera.focalX, view.camera.focalY));  // metres a pixel covers
-    const float reach = footprint / std::max(cosine, 0.2f);
-    // Which of the 4 x 4 pixels around see the vertex's own surface: not one behind or before it, nor one past a
-    // crease.
-    bool own[4][4];
-    for (int dy = 0; dy < 4; ++dy)
-        for (int dx = 0; dx < 4; ++dx) {
-            const int px = std::clamp(x0 - 1 + dx, 0, g.width - 1), py = std::clamp(y0 - 1 + dy, 0, g.height - 1);
-            const size_t i = size_t(py) * g.width + px;
-            own[dy][dx] = false;
-            if (g.triangle[i] == Hit::none) continue;
-            const Vec3 seen = eye + view.camera.rayDirection(Vec2(px + 0.5f, py + 0.5f)) * g.depth[i];
-            if (std::abs(glm::dot(seen - position, normal)) > 1.5f * reach || glm::length(seen - position) > 6 * reach)
-                continue;
-            own[dy][dx] = glm::dot(scene.mesh.faceNormal(g.triangle[i]), normal) > 0.6f;
-        }
-    Rgb sum(0);
-    float kept = 0, pure = 0;
-    bool clipped = false;
-    for (int dy = 0; dy < 2; ++dy)
-        for (int dx = 0; dx < 2; ++dx) {
-            const int px = x0 + dx, py = y0 + dy;
-            if (!own[dy + 1][dx + 1] || !view.image.usableAt(px, py)) continue;
-            // A pixel whose neighbour sees something else may be cut by the edge between them: it mixes both.
-            bool whole = true;
-            for (int k = 0; k < 9; ++k) whole &= own[dy + k / 3][dx + k % 3];
-            const float bilinear = (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy), w = bilinear * (whole ? 1.0f : 0.03f);
-            const Rgb value = view.image.at(px, py);
-            sum += w * value;
-            kept += w;
-            if (whole) pure += bilinear;
-            if (view.saturation > 0 && maxChannel(value) >= view.saturation) clipped = true;
-        }
-    if (kept < 0.01f) return false;
-    out.radiance = sum / kept;
-    out.clipped = clipped;
-    out.weight = std::min(1.0f, cosine * 2) * std::max(0.04f, std::min(1.0f, 1.5f * pure));
-    return true;
+/// Mean distance of a vertex from its neighbours, metres.
+float footprintRadius(const Scene& scene, uint32_t v) {
+    float sum = 0;
+    const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];
+    for (uint32_t e = begin; e < end; ++e)
+        sum += glm::length(scene.mesh.positions[scene.graph.to[e]] - scene.mesh.positions[v]);
+    return end > begin ? sum / float(end - begin) : 0;
 }
 
 /// Noise of a pixel relative to its radiance, and in the dark: robust spread of second differences inside smooth
-/// patches.
-void estimateNoise(const Capture& capture, RadianceSamples& result) {
+/// patches. Returns the median radiance of surfaces.
+float estimateNoise(const Capture& capture, RadianceSamples& result) {
     std::vector<float> relative, dark;
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const Image& image = capture.views[i].image;
@@ -117,10 +70,11 @@ void estimateNoise(const Capture& capture, RadianceSamples& result) {
             }
     }
     result.noiseFloor = 1e-12f;
-    if (relative.size() < 100) return;
-    // A bilinear observation averages about two pixels.
-    result.relativeNoise = std::clamp(1.4826f * lowerMedianOf(std::move(relative)) * 0.7f, 0.003f, 0.2f);
-    result.noiseFloor = std::max(lowerMedianOf(std::move(dark)) * 2e-3f, 1e-12f);
+    if (relative.size() < 100) return 0;
+    result.pixelNoise = std::clamp(1.4826f * lowerMedianOf(std::move(relative)), leastNoise, 0.28f);
+    const float median = lowerMedianOf(std::move(dark));
+    result.noiseFloor = std::max(median * 2e-3f, 1e-12f);
+    return median;
 }
 
 void gatherBackground(const Capture& capture, RadianceSamples& result, Progress& progress) {
@@ -171,35 +125,54 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
         }
     }
     result.backgroundGrid.axes = scene.axes;
+    const float brightest = mostAveraged * estimateNoise(capture, result);
     const size_t n = scene.mesh.vertexCount(), views = capture.views.size();
     progress.begin("Radiance of each vertex", n);
     constexpr size_t block = 512;
     std::vector<std::vector<RadianceSample>> parts((n + block - 1) / block);
+    std::vector<std::vector<float>> variances(parts.size());  // of samples over that of a pixel
     std::vector<uint32_t> count(n, 0);
     parallelBlocks(
         n, block,
         [&](size_t begin, size_t end) {
+            std::vector<VertexLook> looks;
             for (size_t v = begin; v < end; ++v) {
                 if (!scene.referenced[v]) continue;
+                looks.clear();
+                const float radius = footprintRadius(scene, uint32_t(v));
                 for (uint32_t i = 0; i < views; ++i) {
-                    RadianceSample s;
-                    if (!lookUp(capture.views[i], result.geometry[i], scene, uint32_t(v), options, s)) continue;
-                    s.view = i;
-                    parts[begin / block].push_back(s);
-                    ++count[v];
+                    auto look = lookUpVertex(capture.views[i], result.geometry[i], scene, uint32_t(v), radius, options);
+                    if (!look) continue;
+                    look->sample.view = i;
+                    looks.push_back(std::move(*look));
                 }
+                const bool bright = std::any_of(looks.begin(), looks.end(), [&](const VertexLook& look) {
+                    return look.sample.clipped || maxChannel(look.sample.radiance) > brightest;
+                });
+                const ScaleWeights weights =
+                    bright ? ScaleWeights{1} : scaleWeights(looks, result.pixelNoise, result.noiseFloor);
+                for (VertexLook& look : looks) {
+                    const auto [radiance, variance] = look.at(weights);
+                    look.sample.radiance = radiance;
+                    parts[begin / block].push_back(look.sample);
+                    variances[begin / block].push_back(variance);
+                }
+                count[v] = uint32_t(looks.size());
             }
         },
         &progress);
     result.start.assign(n + 1, 0);
     for (size_t v = 0; v < n; ++v) result.start[v + 1] = result.start[v] + count[v];
     for (auto& part : parts) result.samples.insert(result.samples.end(), part.begin(), part.end());
+    std::vector<float> variance;
+    for (const auto& part : variances) variance.insert(variance.end(), part.begin(), part.end());
+    if (!variance.empty())
+        result.relativeNoise = std::max(leastNoise, result.pixelNoise * std::sqrt(lowerMedianOf(std::move(variance))));
     gatherBackground(capture, result, progress);
-    estimateNoise(capture, result);
     size_t seen = 0;
     for (size_t v = 0; v < n; ++v) seen += count[v] > 0;
-    logInfo("{} of {} vertices are seen, {} observations, noise {:.1f} % + {:.2g}", seen, n, result.samples.size(),
-            result.relativeNoise * 100, result.noiseFloor);
+    logInfo("{} of {} vertices are seen, {} observations, noise {:.1f} % + {:.2g}, of a pixel {:.1f} %", seen, n,
+            result.samples.size(), result.relativeNoise * 100, result.noiseFloor, result.pixelNoise * 100);
     return result;
 }
 

@@ -47,8 +47,9 @@ struct RadianceSamples {
     std::vector<Rgb> background;
     std::vector<uint32_t> backgroundPixels;
     std::vector<uint8_t> backgroundClipped;  ///< 1: a lower bound only
-    float relativeNoise = 0.01f;  ///< standard deviation of a sample over its radiance, from pixel differences
-    float noiseFloor = 0;         ///< radiance: standard deviation of a dark sample
+    float relativeNoise = 0.01f;             ///< standard deviation of a sample over its radiance: of the median sample
+    float pixelNoise = 0.015f;               ///< of a pixel over its radiance, from pixel differences
+    float noiseFloor = 0;                    ///< radiance: standard deviation of a dark sample
 
     uint32_t stateOf(uint32_t view) const { return stateOfView.empty() ? 0 : stateOfView[view]; }
     int environmentOf(uint32_t state) const { return environmentOfState.empty() ? 0 : environmentOfState[state]; }
@@ -59,8 +60,13 @@ struct RadianceSamples {
     }
     size_t countOf(uint32_t v) const { return start[v + 1] - start[v]; }
     /// Standard deviation of an observation of this radiance (one channel).
-    float sigma(float radiance) const {
-        return std::sqrt(relativeNoise * relativeNoise * radiance * radiance + noiseFloor * noiseFloor);
+    float sigma(float radiance) const { return sigma(radiance, relativeNoise); }
+    /// The same of a pixel.
+    float sigmaOfPixel(float radiance) const { return sigma(radiance, pixelNoise); }
+
+private:
+    float sigma(float radiance, float relative) const {
+        return std::sqrt(relative * relative * radiance * radiance + noiseFloor * noiseFloor);
     }
 };
 

@@ -17,6 +17,7 @@ RadianceSamples observationsOf(const RadianceSamples& all, uint32_t state, const
     cells(all.backgroundPixels, part.backgroundPixels);
     cells(all.backgroundClipped, part.backgroundClipped);
     part.relativeNoise = all.relativeNoise;
+    part.pixelNoise = all.pixelNoise;
     part.noiseFloor = all.noiseFloor;
     part.start.reserve(all.start.size());
     part.start.push_back(0);
