@@ -44,6 +44,12 @@ void applyMend(const MeshMend& mend, Mesh& mesh) {
         mesh.positions[m.vertex] = m.position;
     }
     if (!mend.moved.empty()) turnNormals(mend, before, mesh);
+    for (const MeshMend::TurnedVertex& t : mend.turned) {
+        if (t.vertex >= fileVertices || !isFinite(t.normal) || !(glm::length(t.normal) > 0.5f))
+            throw Error("mesh correction: normal {:g} {:g} {:g} of vertex {} of {}", t.normal.x, t.normal.y, t.normal.z,
+                        t.vertex, fileVertices);
+        if (t.vertex < mesh.normals.size()) mesh.normals[t.vertex] = glm::normalize(t.normal);
+    }
     const auto marked = [&](const std::vector<uint32_t>& triangles) {
         std::vector<uint8_t> mark(mesh.triangles.size(), 0);
         for (const uint32_t t : triangles) {

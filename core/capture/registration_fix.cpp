@@ -42,6 +42,16 @@ Camera corrected(const Camera& camera, const PoseFix& fix) {
     return out;
 }
 
+void applyRegistration(const RegistrationFix& fix, Mesh& mesh) {
+    const std::vector<Vec3> along = mesh.normals;
+    if (!fix.steps.empty()) {
+        const std::vector<Vec3> before = vertexNormalsFromFaces(mesh);
+        moveAlong(along, fix.step, fix.steps, mesh);
+        turnNormals(before, fix.steps.size(), mesh);
+    }
+    moveAlong(along, fix.outlineStep, fix.outlineSteps, mesh);
+}
+
 void applyRegistration(const RegistrationFix& fix, Capture& capture) {
     // Each view once: two may show the same file.
     std::vector<uint8_t> taken(capture.views.size(), 0);
@@ -52,13 +62,7 @@ void applyRegistration(const RegistrationFix& fix, Capture& capture) {
         taken[i] = 1;
         capture.views[i].camera = corrected(capture.views[i].camera, pose);
     }
-    const std::vector<Vec3> along = capture.mesh.normals;
-    if (!fix.steps.empty()) {
-        const std::vector<Vec3> before = vertexNormalsFromFaces(capture.mesh);
-        moveAlong(along, fix.step, fix.steps, capture.mesh);
-        turnNormals(before, fix.steps.size(), capture.mesh);
-    }
-    moveAlong(along, fix.outlineStep, fix.outlineSteps, capture.mesh);
+    applyRegistration(fix, capture.mesh);
 }
 
 }  // namespace relamp

@@ -13,6 +13,8 @@
 #include "radiance/free_space.h"
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
+#include "scene/sharp_creases.h"
+#include "solve/registration/contour_fit.h"
 #include "solve/registration/round_rim.h"
 
 namespace relamp {
@@ -73,6 +75,48 @@ public:
         add(replaced, mend_.removed);
         apply({});
         say(fmt::format("photographs show {:.0f} cm2 of round surfaces that the mesh lacks: added", 1e4f * area));
+    }
+
+    /// Edges of boxes, plinths and walls, which the mesh rounds. `shape`: the mesh before outlines were moved, which
+    /// pushed what is rounded off out on either side: they are brought to the photographs' anew, from sharp edges.
+    void sharpenCreases(const std::vector<Vec3>& shape) {
+        const Scene& scene = *prepared_.scene;
+        std::vector<uint8_t> isLight = verticesOfLights(), leftOut = isLight;
+        std::fill(leftOut.begin() + std::ptrdiff_t(file_.vertexCount()), leftOut.end(), uint8_t(1));
+        for (const MeshMend::MovedVertex& m : mend_.moved) leftOut[m.vertex] = 1;
+        Mesh mesh = scene.mesh;
+        for (size_t v = 0; v < shape.size(); ++v)
+            if (!leftOut[v]) mesh.positions[v] = shape[v];
+        std::vector<Vec3> sides(mesh.vertexCount(), Vec3(0));
+        const auto sharpen = [&] {
+            const std::vector<CreaseVertex> found = sharpCreases(scene, mesh.positions, sides, leftOut);
+            for (const CreaseVertex& c : found) {
+                mesh.positions[c.vertex] = c.position;
+                mesh.normals[c.vertex] = sides[c.vertex] = c.normal;
+            }
+            return found;
+        };
+        constexpr size_t worthIt = 50;  // vertices: outlines take seconds
+        if (sharpen().size() < worthIt) return;
+        Mesh common = mesh;  // both sides of a crease go the same way
+        for (const CreaseVertex& c : sharpen()) common.normals[c.vertex] = c.middle;  // sharper sides reach further
+        common.positions = mesh.positions;
+        const Scene sharp = buildScene(std::move(common), progress_, scene.axes);
+        const ContourEstimate contours =
+            alignContours(capture_, sharp, {}, file_.vertexCount(), isLight, darkness(), progress_);
+        logInfo("with sharp creases {}{}", toText(contours), contours.needed() ? "; moved" : "; left as they are");
+        if (contours.needed()) {
+            Mesh moved = sharp.mesh;
+            applyRegistration(contours.fix, moved);
+            mesh.positions = std::move(moved.positions);
+        }
+        for (uint32_t v = 0; v < file_.vertexCount(); ++v) {
+            if (!leftOut[v] && mesh.positions[v] != scene.mesh.positions[v])
+                mend_.moved.push_back({v, mesh.positions[v]});
+            if (sides[v] != Vec3(0)) mend_.turned.push_back({v, sides[v]});
+        }
+        apply({});
+        say(fmt::format("rounded creases are sharp where two flat sides meet ({} vertices)", mend_.turned.size()));
     }
 
     /// `inexact`: the mesh is known to be off somewhere.
@@ -376,11 +420,13 @@ std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const 
     return marked;
 }
 
-MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved, StageMeter& meter,
-                  Progress& progress) {
+MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, const std::vector<Vec3>& shape,
+                  StageMeter& meter, Progress& progress) {
+    const bool moved = !shape.empty();
     MeshMender mender(options, capture, prepared, meter, progress);
     const bool skirts = mender.takeSkirtsOff();
     if (skirts || moved) mender.completeSurfaces();
+    if (skirts || moved) mender.sharpenCreases(shape);
     mender.shapeEmitters(skirts || moved);
     if (skirts || moved) mender.completeLights();
     if (skirts || moved) mender.continueSurfaces();

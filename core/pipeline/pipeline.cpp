@@ -102,16 +102,16 @@ void countAllStates(const RadianceSamples& all, const RadianceSamples& part, Sol
 }
 
 /// mendMesh by the photographs of the state in which emitters are brightest.
-MeshMend mendByBrightestState(const PipelineOptions& options, Capture& capture, Prepared& prepared, bool moved,
-                              StageMeter& meter, Progress& progress) {
-    if (capture.states.size() <= 1) return mendMesh(options, capture, prepared, moved, meter, progress);
+MeshMend mendByBrightestState(const PipelineOptions& options, Capture& capture, Prepared& prepared,
+                              const std::vector<Vec3>& shape, StageMeter& meter, Progress& progress) {
+    if (capture.states.size() <= 1) return mendMesh(options, capture, prepared, shape, meter, progress);
     const uint32_t state = brightestState(prepared.clusters, *prepared.samples);
     Capture part = captureOfState(capture, state);
     const size_t proxies = part.proxies.size();
     Prepared ofPart = prepared;
     ofPart.samples = std::make_shared<const RadianceSamples>(samplesOfPart(*prepared.samples, state));
     ofPart.clusters = clustersInState(*prepared.scene, prepared.clusters, state);
-    MeshMend mend = mendMesh(options, part, ofPart, moved, meter, progress);
+    MeshMend mend = mendMesh(options, part, ofPart, shape, meter, progress);
     capture.notes.insert(capture.notes.end(), part.notes.begin(), part.notes.end());
     if (!mend.reshapes() && part.proxies.size() == proxies) return mend;
     capture.mesh = std::move(part.mesh);
@@ -153,6 +153,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
     Corrections done{told.registration, told.photometric, told.mend, std::max(0, told.smoothNormals)};
     const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
                                                           [](const ProxyLight& p) { return p.observed(); });
+    std::vector<Vec3> shape;  // of a mesh that registration moved, without what it did to outlines
+    if (!done.registration.empty()) shape = capture.mesh.positions;
     // Do the photographs agree on the mesh?
     if (options.registration && done.registration.empty() && !mended) {
         meter.begin(Stage::registration);
@@ -164,6 +166,11 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         if (found.needed()) {
             capture.notes.push_back("cameras and mesh do not quite fit: " + toText(found));
             done.registration = found.fix;
+            RegistrationFix apartFromOutlines = found.fix;
+            apartFromOutlines.outlineSteps.clear();
+            Mesh moved = capture.mesh;
+            applyRegistration(apartFromOutlines, moved);
+            shape = std::move(moved.positions);
             applyRegistration(done.registration, capture);
             prepared = prepare(capture, options, meter, progress);
         }
@@ -180,7 +187,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         }
     }
     if (options.mend && !mended && !prepared.working)
-        done.mend = mendByBrightestState(options, capture, prepared, !done.registration.empty(), meter, progress);
+        done.mend = mendByBrightestState(options, capture, prepared, shape, meter, progress);
     // Are the mesh's normals good enough to shade with? A decimated mesh's are means already.
     if (told.smoothNormals < 0 && !prepared.working) {
         meter.begin(Stage::normals);

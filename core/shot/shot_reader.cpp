@@ -206,16 +206,27 @@ std::vector<uint32_t> indicesOf(const JsonFields& object, const char* key) {
     return result;
 }
 
+/// A list of vertices, and three numbers for each in another.
+std::vector<std::pair<uint32_t, Vec3>> vertexVectors(const JsonFields& object, const char* vertices, const char* key) {
+    const std::vector<uint32_t> indices = indicesOf(object, vertices);
+    const std::vector<float> at = object.numbers(key);
+    if (at.size() != 3 * indices.size())
+        throw Error("{}: expected three numbers for each of {} vertices", object.name(key), indices.size());
+    std::vector<std::pair<uint32_t, Vec3>> result;
+    for (size_t i = 0; i < indices.size(); ++i)
+        result.emplace_back(indices[i], Vec3(at[3 * i], at[3 * i + 1], at[3 * i + 2]));
+    return result;
+}
+
 MeshMend mendOf(const JsonFields& object) {
     MeshMend mend;
     mend.removed = indicesOf(object, "removed_triangles");
     mend.shadowless = indicesOf(object, "shadowless_triangles");
-    const std::vector<uint32_t> moved = indicesOf(object, "moved_vertices");
-    const std::vector<float> at = object.numbers("positions");
-    if (at.size() != 3 * moved.size())
-        throw Error("{}: expected three numbers for each of {} vertices", object.name("positions"), moved.size());
-    for (size_t i = 0; i < moved.size(); ++i)
-        mend.moved.push_back({moved[i], Vec3(at[3 * i], at[3 * i + 1], at[3 * i + 2])});
+    for (const auto& [vertex, position] : vertexVectors(object, "moved_vertices", "positions"))
+        mend.moved.push_back({vertex, position});
+    if (object.has("turned_vertices"))
+        for (const auto& [vertex, normal] : vertexVectors(object, "turned_vertices", "normals"))
+            mend.turned.push_back({vertex, normal});
     mend.shining = indicesOf(object, "shining_vertices");
     mend.bothSides = indicesOf(object, "both_sides_vertices");
     const std::vector<float> added = object.numbers("added_positions");

@@ -1,4 +1,5 @@
 // A shot as the document of shot.json.
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "base/statistics.h"
@@ -154,19 +155,32 @@ Json proxiesToJson(const std::vector<ProxyLight>& proxies) {
     return list;
 }
 
+/// The shortest decimal that is this float when it is read again: half the digits of its double.
+double shortest(float value) {
+    char digits[32];
+    double result = double(value);
+    std::from_chars(digits, std::to_chars(digits, digits + sizeof digits, value).ptr, result);
+    return result;
+}
+
 Json mendToJson(const MeshMend& mend) {
-    Json moved = Json::array(), at = Json::array();
+    Json moved = Json::array(), at = Json::array(), turned = Json::array(), normals = Json::array();
     for (const MeshMend::MovedVertex& m : mend.moved) {
         moved.push_back(m.vertex);
-        for (int k = 0; k < 3; ++k) at.push_back(m.position[k]);
+        for (int k = 0; k < 3; ++k) at.push_back(shortest(m.position[k]));
+    }
+    for (const MeshMend::TurnedVertex& t : mend.turned) {
+        turned.push_back(t.vertex);
+        for (int k = 0; k < 3; ++k) normals.push_back(shortest(t.normal[k]));
     }
     Json added = Json::array(), triangles = Json::array();
     for (const Vec3& p : mend.addedPositions)
-        for (int k = 0; k < 3; ++k) added.push_back(p[k]);
+        for (int k = 0; k < 3; ++k) added.push_back(shortest(p[k]));
     for (const Triangle& t : mend.added)
         for (const uint32_t v : t) triangles.push_back(v);
     return {{"removed_triangles", mend.removed}, {"shadowless_triangles", mend.shadowless},
             {"moved_vertices", moved},           {"positions", at},
+            {"turned_vertices", turned},         {"normals", normals},
             {"shining_vertices", mend.shining},  {"both_sides_vertices", mend.bothSides},
             {"added_positions", added},          {"added_triangles", triangles}};
 }

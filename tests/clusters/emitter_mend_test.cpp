@@ -228,6 +228,14 @@ TEST(MeshMend, TriangleAndVertexNumbersAreChecked) {
     mend = {};
     mend.moved = {{uint32_t(mesh.vertexCount()), {0, 0, 0}}};
     EXPECT_THROW(applyMend(mend, mesh), Error);
+    mend = {};
+    mend.turned = {{2, {2, 0, 0}}};
+    applyMend(mend, mesh);
+    EXPECT_EQ(mesh.normals[2], Vec3(1, 0, 0));
+    mend.turned = {{2, {0, 0, 0}}};
+    EXPECT_THROW(applyMend(mend, mesh), Error);
+    mend.turned = {{uint32_t(mesh.vertexCount()), {0, 0, 1}}};
+    EXPECT_THROW(applyMend(mend, mesh), Error);
 }
 
 TEST(MeshMend, AddsVerticesAndTrianglesBehindTheFile) {

@@ -26,6 +26,7 @@ protected:
         shot.captureFolder = folder / "capture";
         shot.fix.mend.removed = {0};
         shot.fix.mend.bothSides = {3, 5};
+        shot.fix.mend.turned = {{7, {0, 0.6f, 0.8f}}};
         shot.fix.mend.addedPositions = {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
         shot.fix.mend.added = {{0, 1, 2}, {0, 2, 3}};
         ProxyLight told;
