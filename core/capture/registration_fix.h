@@ -35,12 +35,12 @@ struct RegistrationFix {
 /// mesh was moved.
 void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh);
 
-/// Moves the vertices; normals as in applyRegistration. Throws Error for a vertex that the mesh does not have and for
-/// numbers that are not finite. O(triangles).
+/// Moves vertices; their normals turn as their triangles do under `steps`. Throws Error for a vertex that the mesh does
+/// not have and for numbers that are not finite. O(triangles).
 void applyRegistration(const RegistrationFix& fix, Mesh& mesh);
 
-/// Moves cameras and vertices; a vertex's normal turns as its triangles do under `steps`. Throws Error for a view or
-/// vertex that the capture does not have and for numbers that are not finite. O(triangles).
+/// Moves cameras and vertices. Throws Error for a view or vertex that the capture does not have and for numbers that are
+/// not finite. O(triangles).
 void applyRegistration(const RegistrationFix& fix, Capture& capture);
 
 }  // namespace relamp

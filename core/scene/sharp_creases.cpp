@@ -13,6 +13,7 @@ constexpr size_t seedEvery = 3;        ///< of them, one is tried as a side
 constexpr float turning = 0.99f;       ///< cosine between neighbours' normals: beside a crease there are more so
 constexpr float sameSide = 0.985f;     ///< cosine: 10 degrees
 constexpr float otherSide = 0.82f;     ///< cosine: 35 degrees
+constexpr float blade = -0.9f;         ///< cosine: sides that lie back to back have no crease to slide to
 constexpr float sameSheet = -0.2f;     ///< cosine: what faces away is another sheet
 constexpr float leastPart = 0.18f;     ///< of the surface within reach: each side
 constexpr float leastBoth = 0.7f;      ///< the same: both
@@ -205,12 +206,13 @@ private:
         const bool first = known == Vec3(0) ? std::abs(a->height) < std::abs(b->height)
                                             : glm::dot(a->normal, known) > glm::dot(b->normal, known);
         const Side &own = first ? *a : *b, &other = first ? *b : *a;
+        const float cosine = glm::dot(own.normal, other.normal);
+        if (cosine < blade) return std::nullopt;
         Place result;
         result.normal = own.normal;
         result.middle = glm::normalize(own.normal + other.normal);
         result.onSide = place - own.height * own.normal;
         // Along the own side, towards or away from the other one.
-        const float cosine = glm::dot(own.normal, other.normal);
         const Vec3 along = other.normal - cosine * own.normal;
         const float sine = glm::length(along), slide = -(other.height - own.height * cosine) / sine;
         result.slides = std::abs(slide) < slidesAtMost * spacing;

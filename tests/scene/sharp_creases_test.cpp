@@ -97,6 +97,8 @@ TEST(SharpCreases, WhatHasNoTwoFlatSidesStays) {
     EXPECT_TRUE(creasesOf(test::ball({0, 0, 0}, 0.1f, 24, 48)).empty());
     EXPECT_TRUE(creasesOf(bentSheet([](float x, float y) { return roundedEdge(x, y, 12 * edge); }, 0)).empty())
         << "a wide round is no crease";
+    const auto blade = [](float x, float y) { return Vec3(-std::abs(x), y, x > 0 ? -0.5f * edge : 0); };
+    EXPECT_TRUE(creasesOf(bentSheet(blade, 0)).empty()) << "back to back";
     const auto bumps = [](float x, float y) {
         return Vec3(x, y, 1.5f * edge * std::sin(x / edge) * std::sin(y / edge));
     };
