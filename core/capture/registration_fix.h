@@ -39,8 +39,8 @@ void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh);
 /// not have and for numbers that are not finite. O(triangles).
 void applyRegistration(const RegistrationFix& fix, Mesh& mesh);
 
-/// Moves cameras and vertices. Throws Error for a view or vertex that the capture does not have and for numbers that are
-/// not finite. O(triangles).
+/// Moves cameras and vertices. Throws Error for a view or vertex that the capture does not have and for numbers that
+/// are not finite. O(triangles).
 void applyRegistration(const RegistrationFix& fix, Capture& capture);
 
 }  // namespace relamp
