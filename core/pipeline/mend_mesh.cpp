@@ -98,9 +98,9 @@ public:
         };
         constexpr size_t worthIt = 50;  // vertices: outlines take seconds
         if (sharpen().size() < worthIt) return;
-        Mesh common = mesh;  // both sides of a crease go the same way
-        for (const CreaseVertex& c : sharpen()) common.normals[c.vertex] = c.middle;  // sharper sides reach further
-        common.positions = mesh.positions;
+        const std::vector<CreaseVertex> again = sharpen();  // sharper sides reach further
+        Mesh common = mesh;                                 // both sides of a crease go the same way
+        for (const CreaseVertex& c : again) common.normals[c.vertex] = c.middle;
         const Scene sharp = buildScene(std::move(common), progress_, scene.axes);
         const ContourEstimate contours =
             alignContours(capture_, sharp, {}, file_.vertexCount(), isLight, darkness(), progress_);

@@ -41,15 +41,6 @@ ViewGeometry traceView(const View& view, const Scene& scene, Progress& progress)
     return g;
 }
 
-/// Mean distance of a vertex from its neighbours, metres.
-float footprintRadius(const Scene& scene, uint32_t v) {
-    float sum = 0;
-    const uint32_t begin = scene.graph.start[v], end = scene.graph.start[v + 1];
-    for (uint32_t e = begin; e < end; ++e)
-        sum += glm::length(scene.mesh.positions[scene.graph.to[e]] - scene.mesh.positions[v]);
-    return end > begin ? sum / float(end - begin) : 0;
-}
-
 /// Noise of a pixel relative to its radiance, and in the dark: robust spread of second differences inside smooth
 /// patches. Returns the median radiance of surfaces.
 float estimateNoise(const Capture& capture, RadianceSamples& result) {
@@ -139,7 +130,7 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
             for (size_t v = begin; v < end; ++v) {
                 if (!scene.referenced[v]) continue;
                 looks.clear();
-                const float radius = footprintRadius(scene, uint32_t(v));
+                const float radius = scene.vertexSpacing[v];
                 for (uint32_t i = 0; i < views; ++i) {
                     auto look = lookUpVertex(capture.views[i], result.geometry[i], scene, uint32_t(v), radius, options);
                     if (!look) continue;
