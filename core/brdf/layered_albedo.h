@@ -6,8 +6,11 @@
 namespace relamp {
 
 /// Fraction of even light from all sides that a lobe of weight 1 sends back: the mean of its directional albedo over
-/// cosine-distributed eyes. A sum over 16 eye angles and 4096 directions, within 1 %.
+/// cosine-distributed eyes. Drawn from the lobe and the cosine [Veach97], 512 directions for each of 16 eyes: within
+/// 1 %.
 float hemisphericalAlbedo(const Lobe& lobe);
+/// Of every lobe of a basis; Lambert's is 1.
+std::vector<float> hemisphericalAlbedos(const BrdfBasis& basis);
 
 /// Diffuse albedo per vertex: weight 0 over the fraction of light that gets through to it, 1 - sum of weight_k x
 /// hemisphericalAlbedo(k), at least 0.3 (albedo scaling, as layered materials of production renderers have it

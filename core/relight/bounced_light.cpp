@@ -1,15 +1,18 @@
 #include "relight/bounced_light.h"
 
 #include "base/parallel.h"
+#include "brdf/layered_albedo.h"
 #include "relight/point_shader.h"
 
 namespace relamp {
 
-std::vector<Rgb> bouncingAlbedo(const std::vector<std::vector<Rgb>>& weight, const std::vector<uint8_t>& emitting) {
+std::vector<Rgb> bouncingAlbedo(const BrdfBasis& basis, const std::vector<std::vector<Rgb>>& weight,
+                                const std::vector<uint8_t>& emitting) {
     std::vector<Rgb> albedo(emitting.size(), Rgb(0));
+    const std::vector<float> reflected = hemisphericalAlbedos(basis);
     for (size_t k = 0; k < weight.size(); ++k)
         for (size_t v = 0; v < albedo.size(); ++v)
-            if (!emitting[v]) albedo[v] += (k == 0 ? 1.0f : 0.9f) * weight[k][v];
+            if (!emitting[v]) albedo[v] += reflected[k] * weight[k][v];
     return albedo;
 }
 
@@ -67,7 +70,7 @@ BouncedLight bouncedLightOf(const RelitScene& relit, const BouncedLightOptions& 
             }
         },
         &progress);
-    return bouncedLight(rays, bouncingAlbedo(relit.weight, emitting), world, byEmitter);
+    return bouncedLight(rays, bouncingAlbedo(relit.basis, relit.weight, emitting), world, byEmitter);
 }
 
 }  // namespace relamp

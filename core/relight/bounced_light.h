@@ -1,6 +1,7 @@
 // Light that surfaces send each other in an edited scene, by where it came from first (docs/method.md 8).
 #pragma once
 #include "base/progress.h"
+#include "brdf/basis.h"
 #include "transport/bounce.h"
 
 namespace relamp {
@@ -15,8 +16,10 @@ struct BouncedLight {
     bool empty() const { return world.empty(); }
 };
 
-/// Albedo by which a vertex passes light on: its matte part and most of its lobes. Emitters only emit.
-std::vector<Rgb> bouncingAlbedo(const std::vector<std::vector<Rgb>>& weight, const std::vector<uint8_t>& emitting);
+/// Albedo by which a vertex passes light on: its matte part and what its lobes reflect of even light
+/// (hemisphericalAlbedo). Emitters only emit.
+std::vector<Rgb> bouncingAlbedo(const BrdfBasis& basis, const std::vector<std::vector<Rgb>>& weight,
+                                const std::vector<uint8_t>& emitting);
 
 /// All bounces from the direct light of each source (`directByEmitter` may have empty entries: emitters that are off).
 BouncedLight bouncedLight(const BounceRays& rays, const std::vector<Rgb>& albedo, const std::vector<Rgb>& directWorld,

@@ -19,6 +19,13 @@ TEST(LayeredAlbedo, OfASmoothDielectricIsFresnelsMean) {
     EXPECT_LT(hemisphericalAlbedo({Lobe::Kind::ggxDielectric, 0.5f, "satin"}), coating);
 }
 
+TEST(LayeredAlbedo, OfASharpMirrorIsNearlyOne) {
+    for (const float alpha : {0.0036f, 0.01f, 0.05f}) {
+        EXPECT_GT(hemisphericalAlbedo({Lobe::Kind::ggx, alpha, "metal"}), 0.98f) << alpha;
+        EXPECT_LT(hemisphericalAlbedo({Lobe::Kind::ggx, alpha, "metal"}), 1.005f) << alpha;
+    }
+}
+
 TEST(LayeredAlbedo, UnderACoatingIsReckonedByWhatGetsThrough) {
     BrdfBasis basis;
     basis.lobes = {{Lobe::Kind::lambert, 1, "matte"}, {Lobe::Kind::ggxDielectric, 0.1f, "glaze"}};

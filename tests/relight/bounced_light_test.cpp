@@ -50,6 +50,19 @@ TEST(BouncedLight, AnEmitterInABallIsBrighterByTheGeometricSeries) {
     }
 }
 
+TEST(BouncedLight, ACoatingPassesOnWhatItReflects) {
+    // A coating of index 1.5 reflects 7 to 9 % of even light, a bare lobe nearly all.
+    BrdfBasis basis{{Lobe{}, Lobe{Lobe::Kind::ggxDielectric, 0.05f, "coating"}, Lobe{Lobe::Kind::ggx, 0.01f, "bare"}}};
+    const std::vector<std::vector<Rgb>> weight{{Rgb(0.5f), Rgb(0.5f), Rgb(0), Rgb(0.5f)},
+                                               {Rgb(0), Rgb(1), Rgb(0), Rgb(1)},
+                                               {Rgb(0), Rgb(0), Rgb(0.8f), Rgb(0)}};
+    const std::vector<Rgb> passed = bouncingAlbedo(basis, weight, {0, 0, 0, 1});
+    EXPECT_EQ(passed[0], Rgb(0.5f));
+    EXPECT_NEAR(passed[1].y, 0.58f, 0.012f);
+    EXPECT_NEAR(passed[2].y, 0.8f, 0.03f);
+    EXPECT_EQ(passed[3], Rgb(0));
+}
+
 TEST(BouncedLight, IsLeftOutWhereTheEstimateHasNone) {
     EmitterInABall world;
     world.estimate.interreflection = false;

@@ -39,7 +39,7 @@ Rgb LiveScene::State::bouncingAlbedo(size_t vertex) const {
     if (origin == EditedPart::none) return sum;
     const LobesAtVertex weights = estimate->reflectance.at(origin);
     for (size_t k = 1; k < weights.size(); ++k) {
-        const Rgb w = 0.9f * weights[k];
+        const Rgb w = lobesReflect[k] * weights[k];
         sum += look.neutralMaterials ? Rgb(luminance(w)) : w;
     }
     return sum;

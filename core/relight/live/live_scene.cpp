@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "base/error.h"
+#include "brdf/layered_albedo.h"
 #include "relight/live/state.h"
 
 namespace relamp {
@@ -40,6 +41,7 @@ LiveScene::State::State(std::shared_ptr<const Scene> scene_, std::shared_ptr<con
       carried(grid),
       gloss(grid, *estimate) {
     occluders.offset = scene->tracer->surfaceOffset();
+    lobesReflect = hemisphericalAlbedos(estimate->reflectance.basis);
 }
 
 PartsApart LiveScene::State::apartOf(const Look& next) const {

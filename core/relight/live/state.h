@@ -32,6 +32,7 @@ struct LiveScene::State {
     std::vector<Rgb> distantMatte;  ///< per vertex, before exposure and tint
 
     BounceRays bounceRays;     ///< of the capture's mesh; empty where the estimate holds no bounced light
+    std::vector<float> lobesReflect;  ///< hemisphericalAlbedos of the basis
     std::vector<Rgb> bounced;  ///< per vertex of the capture, follows the direct light a few steps an image
 
     std::shared_ptr<const DistantLight> unturned;  ///< the environment of the look's source alone
@@ -72,7 +73,7 @@ struct LiveScene::State {
     /// matte surface shows it).
     void followBounces(const std::vector<Rgb>& direct);
     Rgb albedo(size_t vertex) const;
-    /// By which a vertex passes light on to others: matte part and most of the lobes.
+    /// By which a vertex passes light on to others: matte part and what lobes reflect of even light.
     Rgb bouncingAlbedo(size_t vertex) const;
 };
 
