@@ -7,6 +7,7 @@
 #include "capture/own_axes.h"
 #include "clusters/shining_sides.h"
 #include "clusters/state_emitters.h"
+#include "pipeline/find_materials.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
@@ -208,7 +209,15 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         letSidesShine(*prepared.scene, done.mend.shining, prepared.clusters);
         letBacksShine(done.mend.bothSides, prepared.clusters);
     }
-    if (!done.registration.empty() || done.mend.reshapes()) prepared.meshError = halfAnEdge(*prepared.scene);
+    const bool exact = done.registration.empty() && !done.mend.reshapes();
+    if (options.materials && options.solve.nearField) {
+        meter.begin(Stage::planning);
+        const StatePart part = brightestPart(prepared);
+        if (auto parted =
+                findMaterials(capture, *prepared.scene, *part.samples, part.clusters, exact, options.solve, progress))
+            prepared.scene = std::move(parted);
+    }
+    if (!exact) prepared.meshError = halfAnEdge(*prepared.scene);
     return done;
 }
 

@@ -25,6 +25,7 @@ struct PipelineOptions {
     bool photometric =
         true;  ///< exposure, white balance and fall-off are taken out of the photographs where they differ clearly
     bool registration = true;  ///< cameras and mesh are brought together where photographs agree clearly better so
+    bool materials = true;     ///< parts of a component that shine get lobes of their own; with near-field light only
     bool mend = true;  ///< emitters that the mesh does not show as the photographs do get their shape from these
     std::vector<LightProbe> probes = {};       ///< images of the light as it was on the set
     std::vector<MirrorBall> mirrorBalls = {};  ///< the same; they join the probes when the capture is read

@@ -33,7 +33,7 @@ void countObservations(const Capture& capture, const Scene& scene, const Radianc
     for (const EmitterCluster& e : emitters.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
     const BrdfBasis basis = builtInBasis();
     counts.lobes = double(basis.lobes.size()) - 1;
-    for (uint32_t p = 0; p < scene.components; ++p) {
+    for (uint32_t p = 0; p < scene.materials; ++p) {
         if (sizes[p] < 30) continue;
         std::vector<GlossyObservation> observations = glossyObservations(capture, scene, samples, p, gloss);
         if (observations.size() < 40) continue;
@@ -65,7 +65,7 @@ bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSample
     gloss.rows.lobeSamples = 64;
     std::vector<EmitterSurface> surfaces;
     for (const EmitterCluster& e : emitters.emitters) surfaces.push_back(orderedEmitterSurface(scene, e));
-    for (uint32_t p = 0; p < scene.components; ++p)
+    for (uint32_t p = 0; p < scene.materials; ++p)
         if (matte.componentGlossy[p]) {
             // The light is coarse here: what the solve will explain better is hinted at only.
             const ComponentGloss g = fitGloss(capture, scene, samples, surfaces, emitters.emitterOfTriangle, lighting,
@@ -73,17 +73,6 @@ bool lobeLikely(const Capture& capture, const Scene& scene, const RadianceSample
             if (g.residual < 0.92f * g.residualMatte) return true;
         }
     return false;
-}
-
-/// Emitters and candidates, as the solve will take them.
-EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters, bool nearField) {
-    EmitterClusters emitters;
-    if (nearField) {
-        emitters.emitters = clusters.emitters;
-        emitters.emitters.insert(emitters.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
-    }
-    indexEmitters(scene, emitters);
-    return emitters;
 }
 
 /// What of a full solve this scene does not need, with what that saves.
@@ -234,13 +223,14 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     counts.rows = double(matte.vertices.size());
     counts.pairs = double(pairs.size());
     size_t usable = 0;
-    for (uint32_t v : matte.vertices) usable += matte.componentGlossy[scene.component[v]] < 2;
+    for (uint32_t v : matte.vertices) usable += matte.componentGlossy[scene.material[v]] < 2;
     counts.matte = matte.vertices.empty() || double(usable) > 0.15 * double(matte.vertices.size());
     countObservations(capture, scene, samples, emitters, matte, options, counts, progress);
     const PilotFindings pilot = runPilot(scene, samples, emitters, matte, pairs, options, progress);
     // Metals have nothing but lobes: there it need not be tried.
     if (counts.glossyObservations > 0 && pilot.ran && !counts.metals)
-        counts.lobeLikely = lobeLikely(capture, scene, samples, emitters, matte, pilot.lighting, options, progress);
+        counts.lobeLikely = std::count(scene.shines.begin(), scene.shines.end(), 1) > 0 ||
+                            lobeLikely(capture, scene, samples, emitters, matte, pilot.lighting, options, progress);
     if (pilot.ran) plan.light = std::make_shared<const Lighting>(pilot.lighting);
     OmissionPlanner planner(counts, pilot, emitters, samples, options, everything, progress);
     plan.leftOut = std::move(planner.leftOut);

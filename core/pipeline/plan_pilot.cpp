@@ -140,6 +140,16 @@ void sendFromHidden(const Scene& scene, const EmitterClusters& emitters, const M
 
 }  // namespace
 
+EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters, bool nearField) {
+    EmitterClusters emitters;
+    if (nearField) {
+        emitters.emitters = clusters.emitters;
+        emitters.emitters.insert(emitters.emitters.end(), clusters.candidates.begin(), clusters.candidates.end());
+    }
+    indexEmitters(scene, emitters);
+    return emitters;
+}
+
 PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                        const MatteObservations& all, const std::vector<AlbedoPair>& pairs, const SolveOptions& options,
                        Progress& progress) {

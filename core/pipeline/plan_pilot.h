@@ -15,6 +15,9 @@ namespace relamp {
 /// Of bounceWorse: below it bounced light takes part from the start.
 constexpr double likelyBounce = -2;
 
+/// Emitters and candidates, as the solve will take them: none without near-field light.
+EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters, bool nearField);
+
 struct PilotFindings {
     bool ran = false;              ///< false: too few matte points
     size_t pairs = 0, points = 0;  ///< looked at

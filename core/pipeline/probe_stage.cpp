@@ -87,7 +87,7 @@ std::vector<ProbeFit> fitProbes(const std::vector<LightProbe>& probes, const Sce
     for (size_t v = 0; v < skip.size(); ++v) skip[v] = emitters.emitterOfVertex[v] >= 0;
     const RatioObservations observed = ratioObservations(scene, samples, std::move(skip), options.seed);
     size_t matte = 0;
-    for (const uint32_t v : observed.matte.vertices) matte += observed.matte.componentGlossy[scene.component[v]] < 2;
+    for (const uint32_t v : observed.matte.vertices) matte += observed.matte.componentGlossy[scene.material[v]] < 2;
     // The few pairs of a scene of metal say nothing of its light.
     const bool ask =
         observed.pairs.size() >= leastProbePairs && double(matte) > leastMatte * double(observed.matte.vertices.size());

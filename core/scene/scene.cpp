@@ -30,6 +30,9 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     const size_t n = scene.mesh.vertexCount();
     scene.graph = buildVertexGraph(scene.mesh, axes);
     scene.component = connectedComponents(scene.graph, &scene.components);
+    scene.material = scene.component;
+    scene.materials = scene.components;
+    scene.shines.assign(scene.materials, 0);
     progress.advance();
     scene.referenced.assign(n, 0);
     const glm::dmat3 own(axes);

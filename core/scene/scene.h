@@ -13,6 +13,9 @@ struct Scene {
     VertexGraph graph;                ///< vertices joined by an edge
     std::vector<uint32_t> component;  ///< connected component of each vertex
     uint32_t components = 0;
+    std::vector<uint32_t> material;   ///< of each vertex: its component's, but for parts that shine (findMaterials)
+    uint32_t materials = 0;           ///< those of the components first
+    std::vector<uint8_t> shines;      ///< per material: 1 where photographs show that it has a lobe (findMaterials)
     Mat3 axes{1};  ///< world from axes that turn with the scene: what squares of directions and random patterns of a
                    ///< solve lie along, so that its answer does not rest on how the world lies
     std::vector<uint32_t>

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "solve/gloss/matte_under_gloss.h"
 #include "support/shapes.h"
 
@@ -6,15 +8,17 @@ namespace relamp::test {
 
 /// A dark red, glazed ball under a bright sky with a glow, seen by four cameras without noise.
 struct CoatedBall {
-    Scene scene = sceneOf(ball({0, 0, 0}, 0.5f, 12, 18));
+    Scene scene;
     Capture capture;
     RadianceSamples samples;
     Lighting lighting;
     ComponentGloss gloss;
     std::vector<Rgb> matte;  ///< what the matte part alone shows, per vertex
 
-    CoatedBall() {
-        const Rgb albedo(0.4f, 0.08f, 0.05f);
+    /// `glazed`: whether a place is red and has the coating; else it is grey. `rays`: of a look.
+    explicit CoatedBall(int rings = 12, const std::function<bool(const Vec3&)>& glazed = {}, int rays = 1024)
+        : scene(sceneOf(ball({0, 0, 0}, 0.5f, rings, rings * 3 / 2))) {
+        const Rgb red(0.4f, 0.08f, 0.05f), grey(0.3f);
         lighting.leaves = LightLeaves::uniform(3);
         for (size_t i = 0; i < lighting.leaves.size(); ++i)
             lighting.leafRadiance.push_back(Rgb(0.5f + 4 * std::max(0.0f, lighting.leaves.direction(i, Vec2(0.5f)).x)));
@@ -27,8 +31,8 @@ struct CoatedBall {
         }
         samples.relativeNoise = 0.005f;
         LobeRowOptions fine;
-        fine.lobeSamples = 1024;
-        fine.cosineSamples = 512;
+        fine.lobeSamples = rays;
+        fine.cosineSamples = rays / 2;
         std::vector<float> row(lighting.leaves.size());
         for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
             samples.start.push_back(uint32_t(samples.samples.size()));
@@ -39,13 +43,18 @@ struct CoatedBall {
                 if (const float cosine = glm::dot(scene.mesh.normals[v], grid.direction(c)); cosine > 0)
                     lit += lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] *
                            (cosine * grid.cellSolidAngle() / pi);
-            matte.push_back(albedo * lit);
+            const bool coated = !glazed || glazed(scene.mesh.positions[v]);
+            matte.push_back((coated ? red : grey) * lit);
             for (uint32_t view = 0; view < capture.views.size(); ++view) {
                 const Vec3 toward =
                     glm::normalize(Vec3(capture.views[view].camera.position()) - scene.mesh.positions[v]);
                 if (glm::dot(toward, scene.mesh.normals[v]) < 0.25f) continue;
-                glossyInfluence(scene, {}, {}, lighting.leaves, *gloss.lobe, v, toward, fine, row.data());
-                samples.samples.push_back({view, matte[v] + gloss.weight * lightOfRow(row.data(), lighting), 1, false});
+                Rgb coating(0);
+                if (coated) {
+                    glossyInfluence(scene, {}, {}, lighting.leaves, *gloss.lobe, v, toward, fine, row.data());
+                    coating = gloss.weight * lightOfRow(row.data(), lighting);
+                }
+                samples.samples.push_back({view, matte[v] + coating, 1, false});
             }
         }
         samples.start.push_back(uint32_t(samples.samples.size()));

@@ -8,35 +8,37 @@
 
 namespace relamp {
 
+void addLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t vertex,
+              std::vector<GlossyObservation>& looks) {
+    const size_t first = looks.size();
+    for (uint32_t s = samples.start[vertex]; s < samples.start[vertex + 1]; ++s) {
+        const RadianceSample& r = samples.samples[s];
+        if (r.clipped || r.weight < 0.25f) continue;
+        GlossyObservation look;
+        look.vertex = vertex;
+        look.view = r.view;
+        look.state = samples.stateOf(r.view);
+        look.radiance = r.radiance;
+        const float y = (r.radiance.x + r.radiance.y + r.radiance.z) / 3;
+        look.sigma = std::sqrt(samples.sigma(y) * samples.sigma(y) / r.weight + 0.03f * 0.03f * y * y);
+        look.towardEye = glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[vertex]);
+        looks.push_back(look);
+    }
+    const auto byState = [](const GlossyObservation& a, const GlossyObservation& b) { return a.state < b.state; };
+    if (samples.states > 1) std::stable_sort(looks.begin() + ptrdiff_t(first), looks.end(), byState);
+}
+
 std::vector<GlossyObservation> glossyObservations(const Capture& capture, const Scene& scene,
                                                   const RadianceSamples& samples, uint32_t component,
                                                   const GlossOptions& options) {
     std::vector<uint32_t> vertices;
     for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
-        if (scene.component[v] == component && samples.countOf(v) >= 2) vertices.push_back(v);
+        if (scene.material[v] == component && samples.countOf(v) >= 2) vertices.push_back(v);
     std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
     std::vector<GlossyObservation> observations;
-    const auto byState = [](const GlossyObservation& a, const GlossyObservation& b) { return a.state < b.state; };
     const double step = std::max(1.0, double(vertices.size()) / double(options.maxVertices));
-    for (double at = 0; at < double(vertices.size()); at += step) {
-        const uint32_t v = vertices[size_t(at)];
-        const size_t first = observations.size();
-        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
-            const RadianceSample& r = samples.samples[s];
-            if (r.clipped || r.weight < 0.25f) continue;
-            GlossyObservation observation;
-            observation.vertex = v;
-            observation.view = r.view;
-            observation.state = samples.stateOf(r.view);
-            observation.radiance = r.radiance;
-            const float y = (r.radiance.x + r.radiance.y + r.radiance.z) / 3;
-            observation.sigma = std::sqrt(samples.sigma(y) * samples.sigma(y) / r.weight + 0.03f * 0.03f * y * y);
-            observation.towardEye =
-                glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
-            observations.push_back(observation);
-        }
-        if (samples.states > 1) std::stable_sort(observations.begin() + ptrdiff_t(first), observations.end(), byState);
-    }
+    for (double at = 0; at < double(vertices.size()); at += step)
+        addLooks(capture, scene, samples, vertices[size_t(at)], observations);
     return observations;
 }
 
@@ -239,7 +241,8 @@ ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const Radian
                                                 : std::vector<float>(basis.lobes.size(), 0);
         constexpr float beaten = 1.08f;
         const float least = *std::min_element(screened.begin() + 1, screened.end());
-        const bool useful = options.lambertGain >= 1e6f || least < 0.92f * result.residualMatte;
+        const bool useful =
+            options.lambertGain >= 1e6f || least < std::max(0.92f, options.leastGain + 0.02f) * result.residualMatte;
         for (size_t k = 1; k < basis.lobes.size() && useful; ++k)
             if (screened[k] <= beaten * least) attempt(basis.lobes[k]);
     }
@@ -259,7 +262,7 @@ ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const Radian
         }
         gain = 1;
     }
-    if (!result.lobe || (options.lambertGain < 1e6f && result.residual > 0.85f * result.residualMatte)) {
+    if (!result.lobe || (options.lambertGain < 1e6f && result.residual > options.leastGain * result.residualMatte)) {
         result.lobe.reset();
         return result;
     }

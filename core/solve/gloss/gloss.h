@@ -49,7 +49,13 @@ struct GlossOptions {
     /// Lobes are tried on directions that all share first (lobeResponses), and on their own only where they come within
     /// a twelfth of the best there: a third of the rays. Where even the best there explains too little, none is.
     bool screen = true;
+    /// A lobe is kept where it lowers the residual to this part.
+    float leastGain = 0.85f;
 };
+
+/// Adds the looks at one vertex: one for every view that sees it unclipped and well enough, by state.
+void addLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t vertex,
+              std::vector<GlossyObservation>& looks);
 
 /// Evenly spread observations of a component.
 std::vector<GlossyObservation> glossyObservations(const Capture& capture, const Scene& scene,

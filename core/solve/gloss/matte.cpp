@@ -81,7 +81,7 @@ MatteObservations matteOfOneState(const Scene& scene, const RadianceSamples& sam
     MatteObservations result;
     const size_t n = scene.mesh.vertexCount();
     // How much each component's look changes with the view, beyond noise: the spread of the better observations.
-    std::vector<std::vector<float>> spreads(scene.components);
+    std::vector<std::vector<float>> spreads(scene.materials);
     for (uint32_t v = 0; v < n; ++v) {
         if (skip[v] || samples.countOf(v) < 2) continue;
         float sum = 0, sum2 = 0, weight = 0;
@@ -100,21 +100,22 @@ MatteObservations matteOfOneState(const Scene& scene, const RadianceSamples& sam
                     variance = std::max(0.0f, sum2 / weight - mean * mean) * float(count) / float(count - 1);
         if (mean < 4 * samples.noiseFloor) continue;
         const float noise = samples.sigma(mean) / mean;
-        spreads[scene.component[v]].push_back(std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise)));
+        spreads[scene.material[v]].push_back(std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise)));
     }
-    result.viewSpread.assign(scene.components, 0);
-    result.componentGlossy.assign(scene.components, 0);
-    for (uint32_t p = 0; p < scene.components; ++p) {
+    result.viewSpread.assign(scene.materials, 0);
+    result.componentGlossy.assign(scene.materials, 0);
+    for (uint32_t p = 0; p < scene.materials; ++p) {
         const float upper = selectQuantile(spreads[p], 0.75), middle = selectQuantile(spreads[p], 0.5);
         result.viewSpread[p] = middle;
+        if (scene.shines[p]) result.componentGlossy[p] = 1;
         if (spreads[p].size() < 12) continue;
-        result.componentGlossy[p] = middle > metalSpread ? 2 : (upper > coatedSpread ? 1 : 0);
+        result.componentGlossy[p] = middle > metalSpread ? 2 : (upper > coatedSpread || scene.shines[p] ? 1 : 0);
     }
     if (componentGlossy) result.componentGlossy = *componentGlossy;
     std::vector<MatteObservation> observations;
     for (uint32_t v = 0; v < n; ++v) {
         if (skip[v] || !scene.referenced[v]) continue;
-        const uint8_t glossy = result.componentGlossy[scene.component[v]];
+        const uint8_t glossy = result.componentGlossy[scene.material[v]];
         float best = 0;
         for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
             if (!samples.samples[s].clipped) best = std::max(best, samples.samples[s].weight);
@@ -164,11 +165,11 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
     for (uint32_t s = 0; s < samples.states; ++s) parts.push_back(samplesOfState(samples, s));
     for (const RadianceSamples& part : parts) states.push_back(matteOfOneState(scene, part, skip, componentGlossy));
     MatteObservations all;
-    all.componentGlossy = componentGlossy ? *componentGlossy : glossyInAny(states, scene.components);
-    all.viewSpread.assign(scene.components, 0);
+    all.componentGlossy = componentGlossy ? *componentGlossy : glossyInAny(states, scene.materials);
+    all.viewSpread.assign(scene.materials, 0);
     for (size_t s = 0; s < states.size(); ++s) {
         MatteObservations& state = states[s];
-        for (size_t p = 0; p < scene.components; ++p)
+        for (size_t p = 0; p < scene.materials; ++p)
             all.viewSpread[p] = std::max(all.viewSpread[p], state.viewSpread[p]);
         if (state.componentGlossy != all.componentGlossy)
             state = matteOfOneState(scene, parts[s], skip, &all.componentGlossy);
@@ -196,8 +197,8 @@ double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObserva
 }
 
 std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte) {
-    std::vector<size_t> counts(scene.components, 0);
-    for (const uint32_t v : matte.vertices) ++counts[scene.component[v]];
+    std::vector<size_t> counts(scene.materials, 0);
+    for (const uint32_t v : matte.vertices) ++counts[scene.material[v]];
     return counts;
 }
 

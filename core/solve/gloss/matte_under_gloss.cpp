@@ -10,7 +10,7 @@ void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceS
                      MatteObservations& matte, Progress& progress) {
     std::vector<size_t> here;
     for (size_t i = 0; i < matte.vertices.size(); ++i)
-        if (scene.component[matte.vertices[i]] == gloss.component) here.push_back(i);
+        if (scene.material[matte.vertices[i]] == gloss.component) here.push_back(i);
     progress.begin("Matte under gloss", here.size());
     parallelFor(
         here.size(), 16,

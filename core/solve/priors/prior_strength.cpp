@@ -158,7 +158,7 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
         }
         for (size_t i = 0; i < matte.vertices.size(); ++i) {
             const uint32_t v = matte.vertices[i];
-            if (matte.componentGlossy[scene.component[v]] || !(system.precision[i] > 0)) continue;
+            if (matte.componentGlossy[scene.material[v]] || !(system.precision[i] > 0)) continue;
             const size_t state = matte.stateOf(i);
             const auto counts = [&](const RadianceSample& r) { return !r.clipped && samples.stateOf(r.view) == state; };
             float weights = 0;

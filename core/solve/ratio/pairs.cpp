@@ -94,7 +94,7 @@ private:
             if (at == buckets_.end() || angle(normal, at->second.axis) + at->second.spread < corner_) continue;
             for (uint32_t j : at->second.observations) {
                 const uint32_t u = matte_.vertices[j];
-                if (scene_.component[u] != scene_.component[v] ||
+                if (scene_.material[u] != scene_.material[v] ||
                     glm::dot(scene_.mesh.normals[u], normal) > cornerCosine_)
                     continue;
                 const Vec3 d = scene_.mesh.positions[u] - p;
@@ -114,7 +114,7 @@ private:
 std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations& matte, const PairOptions& options) {
     std::vector<uint32_t> place(scene.mesh.vertexCount(), noPlace);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
-        if (matte.componentGlossy[scene.component[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
+        if (matte.componentGlossy[scene.material[matte.vertices[i]]] < 2) place[matte.vertices[i]] = i;
     const VertexGraph& graph = scene.graph;
     std::vector<AlbedoPair> pairs;
     // What belongs to a block of observations, one block behind the other.
@@ -154,9 +154,9 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
         }
     });
     // Long pairs: anywhere on the component, where the surface faces alike.
-    std::vector<std::vector<uint32_t>> ofComponent(scene.components);
+    std::vector<std::vector<uint32_t>> ofComponent(scene.materials);
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
-        if (place[matte.vertices[i]] != noPlace) ofComponent[scene.component[matte.vertices[i]]].push_back(i);
+        if (place[matte.vertices[i]] != noPlace) ofComponent[scene.material[matte.vertices[i]]].push_back(i);
     for (std::vector<uint32_t>& list : ofComponent)
         std::sort(list.begin(), list.end(), [&](uint32_t a, uint32_t b) {
             return scene.rank[matte.vertices[a]] < scene.rank[matte.vertices[b]];
@@ -164,7 +164,7 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
     append([&](uint32_t i, std::vector<AlbedoPair>& out) {
         constexpr int tries = 12;
         const uint32_t v = matte.vertices[i];
-        const std::vector<uint32_t>& list = ofComponent[scene.component[v]];
+        const std::vector<uint32_t>& list = ofComponent[scene.material[v]];
         uint64_t bits = mixBits(options.seed * 0x2000003 + scene.rank[v]);
         for (int k = 0, kept = 0; k < tries && kept < options.longPairs; ++k) {
             bits = mixBits(bits);
@@ -174,6 +174,10 @@ std::vector<AlbedoPair> albedoPairs(const Scene& scene, const MatteObservations&
             out.push_back({i, j, options.longWeight});
             ++kept;
         }
+    });
+    // Walks leave a material where a scan joins two.
+    std::erase_if(pairs, [&](const AlbedoPair& p) {
+        return scene.material[matte.vertices[p.a]] != scene.material[matte.vertices[p.b]];
     });
     const CornerPartners corners(scene, matte, place, options);
     if (corners.any())
@@ -210,7 +214,7 @@ std::vector<AlbedoPair> pairsOfStates(const Scene& scene, const MatteObservation
             p.b += uint32_t(matte.beginOf(s));
             pairs.push_back(p);
         }
-    addPairsOfStates(matte, options, scene.mesh.vertexCount(), scene.component, pairs);
+    addPairsOfStates(matte, options, scene.mesh.vertexCount(), scene.material, pairs);
     return pairs;
 }
 

@@ -21,7 +21,7 @@ struct GlossModel {
         for (const ComponentGloss& g : components)
             if (isMetal(g))
                 for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
-                    if (scene.component[v] == g.component) albedo[v] = Rgb(0);
+                    if (scene.material[v] == g.component) albedo[v] = Rgb(0);
     }
 };
 

@@ -19,7 +19,7 @@ SolveObservations SolveObservations::of(const SolveInput& in, std::vector<uint8_
     std::sort(brightness.begin(), brightness.end());
     result.darkness = brightness.empty() ? 0.0f : 1e-3f * brightness[brightness.size() * 9 / 10];
     size_t usable = 0;
-    for (uint32_t v : matte.vertices) usable += matte.componentGlossy[in.scene.component[v]] < 2;
+    for (uint32_t v : matte.vertices) usable += matte.componentGlossy[in.scene.material[v]] < 2;
     result.matteFraction = matte.vertices.empty() ? 0 : double(usable) / double(matte.vertices.size());
     return result;
 }
@@ -39,7 +39,7 @@ void SolveObservations::readAsMatte(const SolveInput& in, const std::vector<uint
         if (components[p] && glossy[p]) glossy[p] = 0, any = true;
     if (!any) return;
     keepAsPhotographed();
-    for (uint32_t v : matte.vertices) skip[v] = !components[in.scene.component[v]];
+    for (uint32_t v : matte.vertices) skip[v] = !components[in.scene.material[v]];
     const MatteObservations median = matteObservations(in.scene, in.samples, skip, &glossy);
     for (size_t state = 0; state < matte.states(); ++state) {
         size_t i = matte.beginOf(state);

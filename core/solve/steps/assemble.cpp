@@ -114,7 +114,7 @@ Estimate assemble(const SolveRun& s) {
             r.weight.emplace_back(n, Rgb(0));
         }
         for (size_t v = 0; v < n; ++v)
-            if (s.in.scene.component[v] == component && s.emitters.clusters.emitterOfVertex[v] < 0)
+            if (s.in.scene.material[v] == component && s.emitters.clusters.emitterOfVertex[v] < 0)
                 r.weight[at][v] += weight;
     };
     for (const ComponentGloss& g : s.gloss.components) {

@@ -27,7 +27,7 @@ void updateBounce(SolveRun& s) {
     s.bounce.take(matte, matte.radiance, s.in.scene.mesh.vertexCount(), hidden);
     if (!mayShowEmitters(s)) return;
     for (size_t i = 0; i < lit.size(); ++i) lit[i] += s.bounce.atObservation[i];
-    s.bounce.take(matte, reflectedAtMost(matte, lit, s.in.scene.component), s.in.scene.mesh.vertexCount(), hidden);
+    s.bounce.take(matte, reflectedAtMost(matte, lit, s.in.scene.material), s.in.scene.mesh.vertexCount(), hidden);
 }
 
 void joinLikelyBounce(SolveRun& s) {

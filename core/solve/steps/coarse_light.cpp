@@ -63,9 +63,10 @@ void firstSurfaces(SolveRun& s) {
     options.maxVertices = 120;
     const std::vector<size_t> sizes = observationsOfComponents(s.in.scene, s.observed.matte);
     s.gloss.early.clear();
-    for (uint32_t p = 0; p < s.in.scene.components; ++p) {
+    for (uint32_t p = 0; p < s.in.scene.materials; ++p) {
         if (!s.observed.matte.componentGlossy[p] || sizes[p] < 30) continue;
         const bool metal = s.observed.matte.componentGlossy[p] == 2;
+        options.leastGain = leastGainOf(s, p);
         options.lambertGain = metal ? 1e30f : 1.6f;
         ComponentGloss g =
             fitGloss(s.in.capture, s.in.scene, s.in.samples, s.emitters.surfaces, s.emitters.clusters.emitterOfTriangle,
@@ -110,8 +111,8 @@ void leaveOutBlackEnvironment(SolveRun& s) {
 
 bool startFromConstantReflectance(SolveRun& s) {
     // The component with the most observations stands for the scene.
-    std::vector<size_t> observationsOf(s.in.scene.components, 0);
-    for (uint32_t v : s.observed.matte.vertices) observationsOf[s.in.scene.component[v]] += s.in.samples.countOf(v);
+    std::vector<size_t> observationsOf(s.in.scene.materials, 0);
+    for (uint32_t v : s.observed.matte.vertices) observationsOf[s.in.scene.material[v]] += s.in.samples.countOf(v);
     const uint32_t component =
         uint32_t(std::max_element(observationsOf.begin(), observationsOf.end()) - observationsOf.begin());
     GlossOptions options;

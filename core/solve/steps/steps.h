@@ -64,6 +64,8 @@ void sharpenStrong(SolveRun& s);
 /// finds better ones. Without them a metal is black. They have no say in the light: coarse light with metals in it
 /// claims to know the scale to a tenth where it is off by half.
 void firstSurfaces(SolveRun& s);
+/// GlossOptions::leastGain for a material.
+float leastGainOf(const SolveRun& s, uint32_t material);
 /// Where nothing is matte: one constant lobe, light first; the lobe that explains the observations best is kept. False,
 /// and nothing is changed but gloss.noMetals, where no lobe explains them better than a surface that looks alike from
 /// everywhere.

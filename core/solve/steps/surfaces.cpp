@@ -9,6 +9,9 @@
 
 namespace relamp {
 
+/// Normals of a scan are off, and highlights lie elsewhere: a lobe explains less of what is known to shine.
+float leastGainOf(const SolveRun& s, uint32_t material) { return s.in.scene.shines[material] ? 0.95f : 0.85f; }
+
 void solveReflectance(SolveRun& s) {
     finishVisibility(s);
     Irradiance irradiance = s.irradiance();
@@ -16,7 +19,7 @@ void solveReflectance(SolveRun& s) {
         s.bounce.fraction = bouncedFractionOf(s.bounce.atObservation, irradiance);
     // Glossy components: which lobe, how strong.
     std::vector<ComponentGloss> found;
-    std::vector<uint8_t> fitted(s.in.scene.components, 0);
+    std::vector<uint8_t> fitted(s.in.scene.materials, 0);
     GlossOptions glossOptions;
     glossOptions.seed = s.in.options.seed;
     glossOptions.rows = s.rowOptions();
@@ -24,11 +27,12 @@ void solveReflectance(SolveRun& s) {
     glossOptions.screen = !s.in.choices.lostLobes;
     if (!s.hasMatte()) glossOptions.maxVertices = 1500;
     const std::vector<size_t> sizes = observationsOfComponents(s.in.scene, s.observed.matte);
-    for (uint32_t p = 0; p < s.in.scene.components && !s.stopped(); ++p) {
+    for (uint32_t p = 0; p < s.in.scene.materials && !s.stopped(); ++p) {
         if ((!s.observed.matte.componentGlossy[p] && !s.in.choices.matteComponents) || sizes[p] < 30) continue;
         const bool metal = s.hasMatte() && s.observed.matte.componentGlossy[p] == 2;
         // Light that a probe holds fast leaves more for a free matte part of every vertex to take up.
         const bool suspect = metal || (!s.hasMatte() && !s.in.options.probes.empty());
+        glossOptions.leastGain = leastGainOf(s, p);
         glossOptions.lambertGain = metal && !s.gloss.heard ? 1e30f : suspect ? 3.0f : 1.6f;
         ComponentGloss g;
         try {
@@ -38,7 +42,10 @@ void solveReflectance(SolveRun& s) {
                          s.in.progress);
         } catch (const OutOfTime&) { break; }
         fitted[p] = 1;
-        if (!g.lobe) continue;
+        if (!g.lobe) {
+            logInfo("component {}: no lobe explains it, residual {:.2f} of {:.2f}", p, g.residual, g.residualMatte);
+            continue;
+        }
         logInfo("component {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name,
                 g.weight.x, g.weight.y, g.weight.z, g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
         found.push_back(std::move(g));
@@ -49,7 +56,7 @@ void solveReflectance(SolveRun& s) {
         if (!fitted[g.component]) found.push_back(std::move(g));
     s.gloss.early.clear();
     s.gloss.components = std::move(found);
-    for (uint32_t p = 0; p < s.in.scene.components; ++p)
+    for (uint32_t p = 0; p < s.in.scene.materials; ++p)
         fitted[p] = fitted[p] && std::none_of(s.gloss.components.begin(), s.gloss.components.end(),
                                               [&](const ComponentGloss& g) { return g.component == p; });
     if (hurry || !s.stopped()) removeCoatings(s, hurry, fitted);

@@ -21,8 +21,8 @@ constexpr float farWeight = 0.3f;
 std::vector<AlbedoPair> farPairs(const Scene& scene, const MatteObservations& matte, uint64_t seed) {
     std::map<uint32_t, std::vector<uint32_t>> components;
     for (uint32_t i = 0; i < matte.vertices.size(); ++i)
-        if (matte.componentGlossy[scene.component[matte.vertices[i]]] < 2)
-            components[scene.component[matte.vertices[i]]].push_back(i);
+        if (matte.componentGlossy[scene.material[matte.vertices[i]]] < 2)
+            components[scene.material[matte.vertices[i]]].push_back(i);
     std::vector<AlbedoPair> pairs;
     for (auto& [component, points] : components) {
         std::sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
@@ -113,7 +113,7 @@ UnobservedLightData unobservedLightData(const Scene& measured, const RadianceSam
         const uint32_t a = pointOf(p.a), b = pointOf(p.b);
         data.pairs.push_back({a, b, k < near ? p.weight : farWeight});
         data.variance.push_back(variance);
-        data.component.push_back(scene.component[matte.vertices[p.a]]);
+        data.component.push_back(scene.material[matte.vertices[p.a]]);
         data.far.push_back(k >= near);
         box.grow(data.positions[a]);
     }
