@@ -43,10 +43,10 @@ void solveReflectance(SolveRun& s) {
         } catch (const OutOfTime&) { break; }
         fitted[p] = 1;
         if (!g.lobe) {
-            logInfo("component {}: no lobe explains it, residual {:.2f} of {:.2f}", p, g.residual, g.residualMatte);
+            logInfo("material {}: no lobe explains it, residual {:.2f} of {:.2f}", p, g.residual, g.residualMatte);
             continue;
         }
-        logInfo("component {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name,
+        logInfo("material {}: {} weight {:.3f} {:.3f} {:.3f}{}, residual {:.2f} of {:.2f}", p, g.lobe->name,
                 g.weight.x, g.weight.y, g.weight.z, g.matte ? " over Lambert" : "", g.residual, g.residualMatte);
         found.push_back(std::move(g));
     }
