@@ -22,7 +22,7 @@ std::shared_ptr<const Scene> findMaterials(const Capture& capture, const Scene& 
     const std::vector<GlossyRegion> regions =
         glossyRegions(capture, scene, samples, surfaces, emitters.emitterOfTriangle, observed.matte, skip,
                       pilot.lighting, {.seed = options.seed}, progress);
-    logInfo("{} parts of surfaces shine, looked for in {:.2f} s", regions.size(), progress.seconds() - start);
+    logInfo("parts of surfaces that shine: {}, found in {:.2f} s", regions.size(), progress.seconds() - start);
     if (regions.empty()) return nullptr;
     auto parted = std::make_shared<Scene>(scene);
     for (const GlossyRegion& region : regions) {

@@ -15,7 +15,7 @@ struct CoatedBall {
     ComponentGloss gloss;
     std::vector<Rgb> matte;  ///< what the matte part alone shows, per vertex
 
-    /// `glazed`: whether a place is red and has the coating; else it is grey. `rays`: of a look.
+    /// `glazed`: whether a place is red and has the coating; else it is grey. `rays`: of an observation.
     explicit CoatedBall(int rings = 12, const std::function<bool(const Vec3&)>& glazed = {}, int rays = 1024)
         : scene(sceneOf(ball({0, 0, 0}, 0.5f, rings, rings * 3 / 2))) {
         const Rgb red(0.4f, 0.08f, 0.05f), grey(0.3f);

@@ -8,24 +8,25 @@
 
 namespace relamp {
 
-void addLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t vertex,
-              std::vector<GlossyObservation>& looks) {
-    const size_t first = looks.size();
+void addObservations(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t vertex,
+                     std::vector<GlossyObservation>& observations) {
+    const size_t first = observations.size();
     for (uint32_t s = samples.start[vertex]; s < samples.start[vertex + 1]; ++s) {
         const RadianceSample& r = samples.samples[s];
         if (r.clipped || r.weight < 0.25f) continue;
-        GlossyObservation look;
-        look.vertex = vertex;
-        look.view = r.view;
-        look.state = samples.stateOf(r.view);
-        look.radiance = r.radiance;
+        GlossyObservation observation;
+        observation.vertex = vertex;
+        observation.view = r.view;
+        observation.state = samples.stateOf(r.view);
+        observation.radiance = r.radiance;
         const float y = (r.radiance.x + r.radiance.y + r.radiance.z) / 3;
-        look.sigma = std::sqrt(samples.sigma(y) * samples.sigma(y) / r.weight + 0.03f * 0.03f * y * y);
-        look.towardEye = glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[vertex]);
-        looks.push_back(look);
+        observation.sigma = std::sqrt(samples.sigma(y) * samples.sigma(y) / r.weight + 0.03f * 0.03f * y * y);
+        observation.towardEye =
+            glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[vertex]);
+        observations.push_back(observation);
     }
     const auto byState = [](const GlossyObservation& a, const GlossyObservation& b) { return a.state < b.state; };
-    if (samples.states > 1) std::stable_sort(looks.begin() + ptrdiff_t(first), looks.end(), byState);
+    if (samples.states > 1) std::stable_sort(observations.begin() + ptrdiff_t(first), observations.end(), byState);
 }
 
 std::vector<GlossyObservation> glossyObservations(const Capture& capture, const Scene& scene,
@@ -38,7 +39,7 @@ std::vector<GlossyObservation> glossyObservations(const Capture& capture, const 
     std::vector<GlossyObservation> observations;
     const double step = std::max(1.0, double(vertices.size()) / double(options.maxVertices));
     for (double at = 0; at < double(vertices.size()); at += step)
-        addLooks(capture, scene, samples, vertices[size_t(at)], observations);
+        addObservations(capture, scene, samples, vertices[size_t(at)], observations);
     return observations;
 }
 

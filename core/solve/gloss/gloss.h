@@ -53,9 +53,9 @@ struct GlossOptions {
     float leastGain = 0.85f;
 };
 
-/// Adds the looks at one vertex: one for every view that sees it unclipped and well enough, by state.
-void addLooks(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t vertex,
-              std::vector<GlossyObservation>& looks);
+/// Adds those of one vertex: one for every view that sees it unclipped and well enough, by state.
+void addObservations(const Capture& capture, const Scene& scene, const RadianceSamples& samples, uint32_t vertex,
+                     std::vector<GlossyObservation>& observations);
 
 /// Evenly spread observations of a component.
 std::vector<GlossyObservation> glossyObservations(const Capture& capture, const Scene& scene,

@@ -12,10 +12,10 @@ namespace relamp {
 namespace {
 
 constexpr size_t leastOfComponent = 300;  // vertices
-constexpr float restless = 2;             // variance between looks over that of noise
+constexpr float changingVariance = 2;     // between observations, over that of noise
 
-/// Variance between the looks at a vertex over what noise explains; 0 with one look.
-float restlessness(const RadianceSamples& samples, uint32_t v) {
+/// Variance between the observations of a vertex over that of noise; 0 with one.
+float viewVariance(const RadianceSamples& samples, uint32_t v) {
     double sum = 0, squares = 0, weight = 0;
     int count = 0;
     for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
@@ -32,53 +32,53 @@ float restlessness(const RadianceSamples& samples, uint32_t v) {
     return float(std::max(0.0, squares - sum * sum / weight) / (count - 1));
 }
 
-/// Looks at the cells: at all vertices where looks change with the view, at every eighth elsewhere.
-class LooksAtCells {
+/// Observations of all vertices of cells that change with the view, and of every eighth elsewhere.
+class CellObservations {
 public:
-    LooksAtCells(const Capture& capture, const Scene& scene, const RadianceSamples& samples, const SurfaceCells& cells,
-                 size_t most)
-        : restOf(cells.count, 1) {
-        std::vector<float> rest(scene.mesh.vertexCount(), 0);
+    CellObservations(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                     const SurfaceCells& cells, size_t most)
+        : varianceOf(cells.count, 1) {
+        std::vector<float> variance(scene.mesh.vertexCount(), 0);
         std::vector<std::vector<float>> ofCell(cells.count);
-        for (uint32_t v = 0; v < rest.size(); ++v) {
+        for (uint32_t v = 0; v < variance.size(); ++v) {
             if (cells.cellOf[v] == noCell || samples.countOf(v) < 2) continue;
-            rest[v] = restlessness(samples, v);
-            ofCell[cells.cellOf[v]].push_back(rest[v]);
+            variance[v] = viewVariance(samples, v);
+            ofCell[cells.cellOf[v]].push_back(variance[v]);
         }
-        std::vector<uint8_t> all(cells.count, 0);
-        size_t wanted = 0;
+        std::vector<uint8_t> whole(cells.count, 0);
+        double wanted = 0;
         for (uint32_t c = 0; c < cells.count; ++c) {
-            all[c] = quantileOf(ofCell[c], 0.75) > restless;
-            changing += all[c];
-            restOf[c] = std::max(1.0f, medianOf(std::move(ofCell[c])));
+            whole[c] = quantileOf(ofCell[c], 0.75) > changingVariance;
+            changing += whole[c];
+            varianceOf[c] = std::max(1.0f, medianOf(std::move(ofCell[c])));
         }
-        const auto looksAt = [&](uint32_t v) { return cells.cellOf[v] != noCell && samples.countOf(v) >= 2; };
-        for (uint32_t v = 0; v < rest.size(); ++v)
-            if (looksAt(v)) wanted += samples.countOf(v) / (all[cells.cellOf[v]] ? 1 : 8);
-        const float part = float(std::min(1.0, double(most) / double(std::max<size_t>(1, wanted))));
-        for (uint32_t v = 0; v < rest.size(); ++v)
-            if (looksAt(v) && unitFloat(mixBits(scene.rank[v])) < part * (all[cells.cellOf[v]] ? 1 : 0.125f))
-                addLooks(capture, scene, samples, v, looks);
+        const auto usable = [&](uint32_t v) { return cells.cellOf[v] != noCell && samples.countOf(v) >= 2; };
+        for (uint32_t v = 0; v < variance.size(); ++v)
+            if (usable(v)) wanted += double(samples.countOf(v)) / (whole[cells.cellOf[v]] ? 1 : 8);
+        const float part = float(std::min(1.0, double(most) / std::max(1.0, wanted)));
+        for (uint32_t v = 0; v < variance.size(); ++v)
+            if (usable(v) && unitFloat(mixBits(scene.rank[v])) < part * (whole[cells.cellOf[v]] ? 1 : 0.125f))
+                addObservations(capture, scene, samples, v, observations);
     }
-    std::vector<GlossyObservation> looks;
-    std::vector<float> restOf;  ///< per cell, at least 1
-    size_t changing = 0;        ///< cells that do with the view
+    std::vector<GlossyObservation> observations;
+    std::vector<float> varianceOf;  ///< per cell, at least 1
+    size_t changing = 0;            ///< cells that do with the view
 };
 
-/// What the looks at a cell say of a lobe of weight w, beside free Lambert parts: w b - w^2 a / 2.
+/// What the observations of a cell say of a lobe of weight w, beside free Lambert parts: w b - w^2 a / 2.
 struct CellStatistics {
     double a = 0, b = 0;
 };
 
 /// Sums over the vertices of each cell and each lobe. Vertices that change more than their cell's do count less.
-std::vector<std::vector<CellStatistics>> statisticsOf(const LooksAtCells& at, const SurfaceCells& cells,
+std::vector<std::vector<CellStatistics>> statisticsOf(const CellObservations& seen, const SurfaceCells& cells,
                                                       const std::vector<std::vector<Rgb>>& responses) {
     std::vector<std::vector<CellStatistics>> sums(cells.count, std::vector<CellStatistics>(responses.size()));
-    const std::vector<GlossyObservation>& looks = at.looks;
-    for (size_t begin = 0, end = 0; begin < looks.size(); begin = end) {
-        while (end < looks.size() && looks[end].sharesMatte(looks[begin])) ++end;
+    const std::vector<GlossyObservation>& all = seen.observations;
+    for (size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+        while (end < all.size() && all[end].sharesMatte(all[begin])) ++end;
         if (end - begin < 2) continue;
-        const auto weightOf = [&](size_t i) { return 1 / (double(looks[i].sigma) * double(looks[i].sigma)); };
+        const auto weightOf = [&](size_t i) { return 1 / (double(all[i].sigma) * double(all[i].sigma)); };
         const auto meanOf = [&](const auto& value) {
             glm::dvec3 sum(0);
             double weight = 0;
@@ -88,18 +88,18 @@ std::vector<std::vector<CellStatistics>> statisticsOf(const LooksAtCells& at, co
             }
             return sum / weight;
         };
-        const glm::dvec3 middle = meanOf([&](size_t i) { return looks[i].radiance; });
+        const glm::dvec3 middle = meanOf([&](size_t i) { return all[i].radiance; });
         double change = 0;
         for (size_t i = begin; i < end; ++i) {
-            const glm::dvec3 y = glm::dvec3(looks[i].radiance) - middle;
+            const glm::dvec3 y = glm::dvec3(all[i].radiance) - middle;
             change += weightOf(i) * glm::dot(y, y) / 3;
         }
-        const uint32_t cell = cells.cellOf[looks[begin].vertex];
-        const double counts = 1 / std::max(double(at.restOf[cell]), change / double(end - begin - 1));
+        const uint32_t cell = cells.cellOf[all[begin].vertex];
+        const double counts = 1 / std::max(double(seen.varianceOf[cell]), change / double(end - begin - 1));
         for (size_t k = 1; k < responses.size(); ++k) {
             const glm::dvec3 mean = meanOf([&](size_t i) { return responses[k][i]; });
             for (size_t i = begin; i < end; ++i) {
-                const glm::dvec3 r = glm::dvec3(responses[k][i]) - mean, y = glm::dvec3(looks[i].radiance) - middle;
+                const glm::dvec3 r = glm::dvec3(responses[k][i]) - mean, y = glm::dvec3(all[i].radiance) - middle;
                 sums[cell][k].a += counts * weightOf(i) * glm::dot(r, r) / 3;
                 sums[cell][k].b += counts * weightOf(i) * glm::dot(r, y) / 3;
             }
@@ -157,14 +157,14 @@ std::vector<uint8_t> withoutParts(const Scene& scene, const std::vector<uint8_t>
 
 bool mayHaveParts(const Scene& scene, const RadianceSamples& samples, const std::vector<uint8_t>& skip, bool exact) {
     const std::vector<uint8_t> without = withoutParts(scene, skip);
-    std::vector<size_t> changing(scene.components, 0), looked(scene.components, 0);
+    std::vector<size_t> changing(scene.components, 0), observed(scene.components, 0);
     for (uint32_t v = 0; v < without.size(); ++v) {
         if (without[v] || samples.countOf(v) < 2) continue;
-        ++looked[scene.component[v]];
-        changing[scene.component[v]] += restlessness(samples, v) > restless;
+        ++observed[scene.component[v]];
+        changing[scene.component[v]] += viewVariance(samples, v) > changingVariance;
     }
     for (uint32_t p = 0; p < scene.components; ++p) {
-        const double share = double(changing[p]) / double(std::max<size_t>(1, looked[p]));
+        const double share = double(changing[p]) / double(std::max<size_t>(1, observed[p]));
         if (changing[p] >= 60 && (!exact || (share > 0.03 && share < 0.6))) return true;
     }
     return false;
@@ -179,8 +179,8 @@ std::vector<GlossyRegion> glossyRegions(const Capture& capture, const Scene& sce
     for (size_t i = 0; i < matte.vertices.size(); ++i) colour[matte.vertices[i]] = matte.radiance[i];
     const std::vector<uint8_t> without = withoutParts(scene, skip);
     const SurfaceCells cells = surfaceCells(scene, colour, without, {.seed = options.seed});
-    const LooksAtCells at(capture, scene, samples, cells, options.mostLooks);
-    if (at.changing == 0) return {};
+    const CellObservations seen(capture, scene, samples, cells, options.mostObservations);
+    if (seen.changing == 0) return {};
     std::vector<Lobe> lobes{Lobe{}};
     for (const Lobe& l : builtInBasis().lobes)
         if (l.kind == Lobe::Kind::ggxDielectric) lobes.push_back(l);
@@ -189,8 +189,9 @@ std::vector<GlossyRegion> glossyRegions(const Capture& capture, const Scene& sce
     rows.lobeSamples = 48;
     rows.cosineSamples = 24;
     rows.emitterSamples = 16;
-    const auto responses = lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, at.looks, rows, progress);
-    const auto statistics = statisticsOf(at, cells, responses);
+    const auto responses =
+        lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, seen.observations, rows, progress);
+    const auto statistics = statisticsOf(seen, cells, responses);
     std::vector<double> evidence(cells.count);
     for (uint32_t c = 0; c < cells.count; ++c) evidence[c] = evidenceOf(statistics[c], options.worstCell);
     std::vector<CutEdge> edges;
