@@ -7,7 +7,7 @@
 namespace relamp {
 namespace {
 
-bool glazed(const Vec3& p) { return p.z > 0.25f; }
+bool hasCoating(const Vec3& p) { return p.z > 0.25f; }
 
 /// Photographs that show the whole sky behind it.
 test::CoatedBall ballBeforeItsSky(int rings, const std::function<bool(const Vec3&)>& coated) {
@@ -20,8 +20,8 @@ test::CoatedBall ballBeforeItsSky(int rings, const std::function<bool(const Vec3
     return ball;
 }
 
-TEST(FindMaterials, TheGlazedPartOfABallGetsALobeOfItsOwn) {
-    const test::CoatedBall ball = ballBeforeItsSky(60, glazed);
+TEST(FindMaterials, TheCoatedPartOfABallGetsALobeOfItsOwn) {
+    const test::CoatedBall ball = ballBeforeItsSky(60, hasCoating);
     EmitterClusters none;
     indexEmitters(ball.scene, none);
     Progress progress;
@@ -32,7 +32,7 @@ TEST(FindMaterials, TheGlazedPartOfABallGetsALobeOfItsOwn) {
     EXPECT_TRUE(scene->shines[part]);
     size_t right = 0;
     for (uint32_t v = 0; v < scene->material.size(); ++v)
-        right += (scene->material[v] == part) == glazed(scene->mesh.positions[v]);
+        right += (scene->material[v] == part) == hasCoating(scene->mesh.positions[v]);
     EXPECT_GT(double(right), 0.9 * double(scene->material.size()));
     const std::vector<uint8_t> skip(scene->material.size(), 0);
     EXPECT_EQ(matteObservations(*scene, ball.samples, skip).componentGlossy[part], 1);

@@ -15,8 +15,8 @@ struct CoatedBall {
     ComponentGloss gloss;
     std::vector<Rgb> matte;  ///< what the matte part alone shows, per vertex
 
-    /// `glazed`: whether a place is red and has the coating; else it is grey. `rays`: of an observation.
-    explicit CoatedBall(int rings = 12, const std::function<bool(const Vec3&)>& glazed = {}, int rays = 1024)
+    /// `hasCoating`: whether a place is red and has the coating; else it is grey. `rays`: of an observation.
+    explicit CoatedBall(int rings = 12, const std::function<bool(const Vec3&)>& hasCoating = {}, int rays = 1024)
         : scene(sceneOf(ball({0, 0, 0}, 0.5f, rings, rings * 3 / 2))) {
         const Rgb red(0.4f, 0.08f, 0.05f), grey(0.3f);
         lighting.leaves = LightLeaves::uniform(3);
@@ -43,7 +43,7 @@ struct CoatedBall {
                 if (const float cosine = glm::dot(scene.mesh.normals[v], grid.direction(c)); cosine > 0)
                     lit += lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] *
                            (cosine * grid.cellSolidAngle() / pi);
-            const bool coated = !glazed || glazed(scene.mesh.positions[v]);
+            const bool coated = !hasCoating || hasCoating(scene.mesh.positions[v]);
             matte.push_back((coated ? red : grey) * lit);
             for (uint32_t view = 0; view < capture.views.size(); ++view) {
                 const Vec3 toward =

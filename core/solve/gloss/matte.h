@@ -11,9 +11,10 @@ struct MatteObservations {
     std::vector<uint32_t> vertices;  ///< ascending, in each lighting state
     std::vector<Rgb> radiance;       ///< robust mean over views (lower quantile where the surface is glossy)
     std::vector<Rgb> sigma;          ///< its standard deviation
-    std::vector<float> viewSpread;   ///< per mesh component: median relative spread between views, 0 with one view
+    std::vector<float>
+        viewSpread;  ///< per material (Scene::material): median relative spread between views, 0 with one view
     std::vector<uint8_t>
-        componentGlossy;  ///< per mesh component: 0 matte, 1 coated (matte under gloss), 2 no matte signal (metal)
+        componentGlossy;  ///< per material: 0 matte, 1 coated (matte under gloss), 2 no matte signal (metal)
     /// Observations of lighting state s are stateStart[s] ... stateStart[s + 1] - 1; empty: there is one state.
     std::vector<uint32_t> stateStart = {};
 
@@ -49,7 +50,7 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
 /// hundredth of it is seen.
 double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);
 
-/// Observations on each mesh component.
+/// Observations on each material.
 std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte);
 
 }  // namespace relamp

@@ -19,21 +19,21 @@ std::vector<GlossyRegion> regionsOf(const test::CoatedBall& ball) {
     return glossyRegions(ball.capture, ball.scene, ball.samples, {}, {}, matte, skip, ball.lighting, {}, progress);
 }
 
-TEST(GlossyRegions, FindTheGlazedPartOfABall) {
-    const auto glazed = [](const Vec3& p) { return p.z > 0.1f; };
-    const test::CoatedBall ball(60, glazed, 128);
+TEST(GlossyRegions, FindTheCoatedPartOfABall) {
+    const auto hasCoating = [](const Vec3& p) { return p.z > 0.1f; };
+    const test::CoatedBall ball(60, hasCoating, 128);
     const std::vector<GlossyRegion> regions = regionsOf(ball);
     ASSERT_EQ(regions.size(), 1u);
     size_t right = 0, all = 0;
-    for (const uint32_t v : regions[0].vertices) right += glazed(ball.scene.mesh.positions[v]);
-    for (const Vec3& p : ball.scene.mesh.positions) all += glazed(p);
+    for (const uint32_t v : regions[0].vertices) right += hasCoating(ball.scene.mesh.positions[v]);
+    for (const Vec3& p : ball.scene.mesh.positions) all += hasCoating(p);
     EXPECT_GT(double(right), 0.9 * double(all));
     EXPECT_GT(double(right), 0.9 * double(regions[0].vertices.size()));
     EXPECT_GT(regions[0].evidence, 100);
     EXPECT_FALSE(regions[0].whole);
 }
 
-TEST(GlossyRegions, AWhollyGlazedOrMatteBallHasNoParts) {
+TEST(GlossyRegions, AWhollyCoatedOrMatteBallHasNoParts) {
     const test::CoatedBall whole(40, {}, 128), matte(
                                                    40, [](const Vec3&) { return false; }, 128);
     const std::vector<GlossyRegion> regions = regionsOf(whole);
