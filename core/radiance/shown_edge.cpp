@@ -21,6 +21,7 @@ constexpr int aroundEdge = 6;            ///< places across an edge in which its
 constexpr double mostBend = 0.5;         ///< spacings: a piece of a round table's edge
 constexpr float partOfMean = 0.3f;       ///< contrast of places that show the edge
 constexpr double shortest = 15;          ///< spacings
+constexpr double inLine = 2;             ///< spacings that one edge may be off the line of the other
 
 double offsetOf(int place) { return double(place) / perSpacing - search; }
 
@@ -117,6 +118,31 @@ void refine(const EdgeViews& views, StraightRim& rim) {
     rim.to += (line.x + line.y) * out;
 }
 
+/// Mean contrast across a rim as it lies.
+float meanContrast(const EdgeViews& views, const StraightRim& rim) {
+    float sum = 0;
+    const Contrasts contrasts = contrastsAlong(views, rim);
+    for (const auto& row : contrasts) sum += row[places / 2];
+    return sum / float(contrasts.size());
+}
+
+/// One edge in place of two in one line, `b` beyond the end of `a`; none where photographs do not show it in the gap.
+std::optional<StraightRim> joined(const EdgeViews& views, const StraightRim& a, const StraightRim& b) {
+    const double gap = glm::dot(b.from - a.to, a.along());
+    if (a.surface != b.surface || gap < 0 || gap > std::min(a.length(), b.length())) return {};
+    const StraightRim &longer = a.length() < b.length() ? b : a, &shorter = a.length() < b.length() ? a : b;
+    for (const DVec3& end : {shorter.from, shorter.to})
+        if (std::abs(longer.beyond(end)) > inLine * a.spacing) return {};
+    StraightRim whole = a, between = a;
+    whole.to = b.to;
+    whole.creased |= b.creased;
+    if (!(glm::dot(whole.along(), b.along()) > 0)) return {};
+    between.from = a.to;
+    between.to = b.from;
+    if (gap > a.spacing && meanContrast(views, between) < partOfMean * meanContrast(views, whole)) return {};
+    return shownEdge(views, whole);
+}
+
 }  // namespace
 
 std::optional<StraightRim> shownEdge(const EdgeViews& views, StraightRim rim) {
@@ -152,6 +178,23 @@ std::optional<StraightRim> shownEdge(const EdgeViews& views, StraightRim rim) {
     }
     refine(views, rim);
     return rim;
+}
+
+std::vector<StraightRim> shownEdges(const EdgeViews& views, const std::vector<StraightRim>& rims) {
+    std::vector<StraightRim> edges;
+    for (const StraightRim& rim : rims)
+        if (const std::optional<StraightRim> edge = shownEdge(views, rim)) edges.push_back(*edge);
+    for (size_t i = 0; i < edges.size(); ++i)
+        for (size_t k = 0; k < edges.size(); ++k) {
+            if (i == k) continue;
+            const std::optional<StraightRim> whole = joined(views, edges[i], edges[k]);
+            if (!whole) continue;
+            edges[i] = *whole;
+            edges.erase(edges.begin() + std::ptrdiff_t(k));
+            i = k < i ? i - 1 : i;
+            k = size_t(-1);
+        }
+    return edges;
 }
 
 }  // namespace relamp

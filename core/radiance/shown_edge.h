@@ -9,4 +9,8 @@ namespace relamp {
 /// they show none, or a bent one. O(length / spacing x (places^2 + places x views)).
 std::optional<StraightRim> shownEdge(const EdgeViews& views, StraightRim rim);
 
+/// The edges of several rims. Two in one line are one edge where photographs show it between them as well: what a mesh
+/// has there hangs out. As shownEdge, for each rim and each such pair.
+std::vector<StraightRim> shownEdges(const EdgeViews& views, const std::vector<StraightRim>& rims);
+
 }  // namespace relamp

@@ -39,8 +39,7 @@ public:
           views_(scene, capture, past_.floor()) {}
 
     SlabSides result() {
-        for (const StraightRim& rim : straightRims(scene_, isLight_))
-            if (const std::optional<StraightRim> edge = shownEdge(views_, rim)) rims_.push_back(*edge);
+        rims_ = shownEdges(views_, straightRims(scene_, isLight_));
         if (rims_.empty()) return {};
         double spacing = 0;
         for (const StraightRim& rim : rims_) spacing = std::max(spacing, rim.spacing);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "base/random.h"
 #include "radiance/gather.h"
 #include "support/estimates.h"
@@ -79,6 +81,22 @@ TEST(SlabSides, ATableGetsItsEdgesAndItsSides) {
         const Vec3 n = sides.faceNormal(t), p = sides.positions[sides.triangles[t][0]];
         EXPECT_GT(glm::dot(n, p), 0.3f);
         EXPECT_NEAR(n.z, 0, 0.02);
+    }
+}
+
+TEST(SlabSides, WhatHangsOutInTheMiddleOfAnEdgeGoes) {
+    // The rim is in two pieces, a hand's width between them, where a skirt is left.
+    const Mesh mesh = top([](const Vec3& p, float crooked) {
+        const float reach = p.x < -0.06f ? 0 : p.x < 0.06f ? 0.1f : 0.03f;
+        return std::abs(p.x) < halfX + crooked && p.y > -halfY - crooked && p.y < halfY + reach + crooked;
+    });
+    const SlabSides found = sidesOf(test::box({-halfX, -halfY, -thickness}, {halfX, halfY, 0}, 20), mesh);
+    EXPECT_EQ(found.edges, 4u);
+    std::vector<Vec3> positions = mesh.positions;
+    for (const MeshMend::MovedVertex& m : found.moved) positions[m.vertex] = m.position;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (std::binary_search(found.removed.begin(), found.removed.end(), t)) continue;
+        for (const uint32_t v : mesh.triangles[t]) EXPECT_LT(positions[v].y, halfY + 0.003f) << positions[v].x;
     }
 }
 
