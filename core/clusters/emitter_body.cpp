@@ -8,6 +8,7 @@
 #include "base/statistics.h"
 #include "clusters/follow_outlines.h"
 #include "clusters/outline_pixels.h"
+#include "clusters/principal_axes.h"
 
 namespace relamp {
 namespace {
@@ -35,39 +36,6 @@ void clipSlab(double from, double along, double half, glm::dvec2& chord) {
     const double a = (-half - from) / along, b = (half - from) / along;
     chord.x = std::max(chord.x, std::min(a, b));
     chord.y = std::min(chord.y, std::max(a, b));
-}
-
-/// Unit vector that the matrix stretches most; the matrix is symmetric and not negative.
-DVec3 longestAxis(DMat3 m) {
-    for (int i = 0; i < 24; ++i) {
-        double largest = 0;
-        for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(m[c]));
-        if (!(largest > 0)) return {1, 0, 0};
-        m /= largest;
-        m = m * m;
-    }
-    const int c = glm::length(m[0]) > glm::length(m[1]) ? (glm::length(m[0]) > glm::length(m[2]) ? 0 : 2)
-                                                        : (glm::length(m[1]) > glm::length(m[2]) ? 1 : 2);
-    return glm::length(m[c]) > 0 ? glm::normalize(m[c]) : DVec3(1, 0, 0);
-}
-
-DMat3 axesFrom(const DVec3& first, const DVec3& second) {
-    const DVec3 third = glm::normalize(glm::cross(first, second));
-    return DMat3(first, glm::cross(third, first), third);
-}
-
-/// Principal axes of points, longest first.
-DMat3 principalAxes(const std::vector<DVec3>& points) {
-    DVec3 mean(0);
-    for (const DVec3& p : points) mean += p / double(points.size());
-    DMat3 moments(0);
-    for (const DVec3& p : points) moments += glm::outerProduct(p - mean, p - mean);
-    const DVec3 first = longestAxis(moments);
-    const DMat3 across = DMat3(1) - glm::outerProduct(first, first);
-    DVec3 second = longestAxis(across * moments * across);
-    second -= glm::dot(second, first) * first;
-    if (!(glm::length(second) > 1e-6)) second = DVec3(frameAround(Vec3(first))[0]);
-    return axesFrom(first, glm::normalize(second));
 }
 
 DMat3 turnedAbout(const DMat3& axes, int k, double angle) {

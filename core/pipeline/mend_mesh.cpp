@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/statistics.h"
+#include "clusters/ball_stands.h"
 #include "clusters/emitter_mend.h"
 #include "clusters/shining_sides.h"
 #include "pipeline/complete_lights.h"
@@ -136,6 +137,12 @@ public:
         balls_ = found.balls;
         for (EmitterReplacement& r : found.bodies) r.removed = inFile(r.removed);
         add(found.removed, mend_.removed);
+        Mesh left = file_;
+        applyMend(mend_, left);
+        const std::vector<SurfacePatch> stands = ballStands(left, found.balls);
+        for (const SurfacePatch& sleeve : stands) addPatch(sleeve);
+        if (!stands.empty())
+            found.words.push_back(fmt::format("stands of {} balls of light reach them", stands.size()));
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;

@@ -1,0 +1,124 @@
+#include "clusters/ball_stands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/statistics.h"
+#include "clusters/principal_axes.h"
+#include "scene/rim.h"
+
+namespace relamp {
+namespace {
+
+// In radii of the ball, from its centre.
+constexpr double endsWithin = 2, knownTo = 4;
+constexpr double leastLength = 1;             ///< of the tube that is known
+constexpr double thickest = 0.75;             ///< radius of the tube
+constexpr double offCentre = 0.5;             ///< of the axis, at most
+constexpr double sleeveEnd = 0.93;            ///< within the ball's flat faces
+constexpr double ofOneRadius = 0.35;          ///< relative: distances from the axis that are a tube's
+constexpr double mostOfOne = 0.75;            ///< of its vertices
+constexpr int sectors = 8, leastSectors = 6;  ///< around it: that have some of it
+constexpr int sleeveSides = 16;
+constexpr size_t leastVertices = 12;
+
+struct Tube {
+    DVec3 through{0}, along{0, 0, 1};  ///< metres; unit, away from the ball
+    double radius = 0;                 ///< metres
+    double from = 0;                   ///< metres along it from `through`: where it is whole
+    double at(const DVec3& p) const { return glm::dot(p - through, along); }
+    double off(const DVec3& p) const { return glm::length(p - through - at(p) * along); }
+};
+
+/// The tube that the points are of, away from the ball about `centre`; none where they are no tube.
+std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre, double ball) {
+    if (points.size() < leastVertices) return {};
+    Tube tube;
+    for (const DVec3& p : points) tube.through += p / double(points.size());
+    tube.along = principalAxes(points)[0];
+    if (glm::dot(tube.along, tube.through - centre) < 0) tube.along = -tube.along;
+    if (glm::dot(tube.along, tube.through - centre) < 0.8 * glm::length(tube.through - centre)) return {};
+    if (tube.off(centre) > offCentre * ball) return {};
+    std::vector<double> heights;
+    for (const DVec3& p : points) heights.push_back(tube.at(p));
+    const auto [least, most] = std::minmax_element(heights.begin(), heights.end());
+    if (*most - *least < leastLength * ball) return {};
+    tube.from = *least + ball / 2;
+    std::vector<double> radii;
+    for (const DVec3& p : points)
+        if (tube.at(p) > tube.from) radii.push_back(tube.off(p));
+    if (radii.size() < leastVertices) return {};
+    tube.radius = quantileOf(radii, 0.75);
+    const auto ofTube = [&](double r) { return std::abs(r - tube.radius) < ofOneRadius * tube.radius; };
+    const double part = double(std::count_if(radii.begin(), radii.end(), ofTube)) / double(radii.size());
+    if (tube.radius > thickest * ball || part < mostOfOne) return {};
+    const glm::dmat3 frame(frameAround(Vec3(tube.along)));
+    unsigned around = 0;
+    for (const DVec3& p : points) {
+        const DVec3 d = p - tube.through;
+        const double turn = std::atan2(glm::dot(d, frame[1]), glm::dot(d, frame[0])) / (2 * piD) + 0.5;
+        around |= 1u << std::min(sectors - 1, int(turn * sectors));
+    }
+    return __builtin_popcount(around) >= leastSectors ? std::optional(tube) : std::nullopt;
+}
+
+SurfacePatch sleeveOf(const Tube& tube, const DVec3& centre, double ball) {
+    SurfacePatch patch;
+    const glm::dmat3 frame(frameAround(Vec3(tube.along)));
+    for (const bool end : {false, true})
+        for (int i = 0; i < sleeveSides; ++i) {
+            const double turn = 2 * piD * i / sleeveSides;
+            const DVec3 foot = tube.through + tube.radius * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]);
+            const DVec3 to = centre - foot;
+            const double ahead = glm::dot(to, tube.along), aside2 = glm::dot(to, to) - ahead * ahead,
+                         half = sleeveEnd * sleeveEnd * ball * ball - aside2;
+            const double stop = ahead + std::sqrt(std::max(0.0, half));
+            patch.positions.push_back(Vec3(foot + (end ? stop : std::max(tube.from, stop)) * tube.along));
+        }
+    for (uint32_t i = 0; i < sleeveSides; ++i) {
+        const uint32_t next = (i + 1) % sleeveSides;
+        for (Triangle t : {Triangle{i, next, i + sleeveSides}, Triangle{next, next + sleeveSides, i + sleeveSides}}) {
+            const Vec3 &a = patch.positions[t[0]], &b = patch.positions[t[1]], &c = patch.positions[t[2]];
+            const DVec3 out = DVec3(a) - tube.through - tube.at(DVec3(a)) * tube.along;
+            if (glm::dot(DVec3(glm::cross(b - a, c - a)), out) < 0) std::swap(t[1], t[2]);
+            patch.triangles.push_back(t);
+            patch.area += glm::length(glm::cross(b - a, c - a)) / 2;
+        }
+    }
+    return patch;
+}
+
+}  // namespace
+
+std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLight>& balls) {
+    std::vector<SurfacePatch> sleeves;
+    if (balls.empty()) return sleeves;
+    const std::vector<uint8_t> rim = rimVertices(mesh);
+    for (const ProxyLight& ball : balls) {
+        const double radius = double(ball.radius);
+        Mesh about;
+        about.positions = mesh.positions;
+        const auto distance = [&](uint32_t v) { return glm::length(DVec3(mesh.positions[v]) - ball.centre); };
+        for (const Triangle& t : mesh.triangles)
+            if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return distance(v) < knownTo * radius; }))
+                about.triangles.push_back(t);
+        uint32_t count = 0;
+        const std::vector<uint32_t> piece = connectedComponents(buildVertexGraph(about), &count);
+        std::vector<uint8_t> ends(count, 0), used(mesh.vertexCount(), 0);
+        std::vector<std::vector<DVec3>> points(count);
+        for (const Triangle& t : about.triangles)
+            for (const uint32_t v : t) {
+                if (used[v]++) continue;
+                points[piece[v]].push_back(DVec3(mesh.positions[v]));
+                ends[piece[v]] |= rim[v] && distance(v) < endsWithin * radius;
+            }
+        for (uint32_t k = 0; k < count; ++k)
+            if (ends[k])
+                if (const std::optional<Tube> tube = tubeOf(points[k], ball.centre, radius))
+                    sleeves.push_back(sleeveOf(*tube, ball.centre, radius));
+    }
+    return sleeves;
+}
+
+}  // namespace relamp

@@ -1,0 +1,93 @@
+// Posts that end before the ball of light that they hold.
+#include "clusters/ball_stands.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "support/estimates.h"
+
+namespace relamp {
+namespace {
+
+const Vec3 ballCentre(0.1f, -0.2f, 0.5f);
+constexpr float ballRadius = 0.03f;
+
+std::vector<ProxyLight> oneBall() {
+    ProxyLight ball;
+    ball.centre = DVec3(ballCentre);
+    ball.radius = ballRadius;
+    return {ball};
+}
+
+/// Rings of a radius per height below the ball's ballCentre, open at both ends, in the direction `down`.
+Mesh rings(float from, float to, const Vec3& down, const std::function<float(float)>& radius) {
+    constexpr int rows = 40, around = 24;
+    Mesh mesh;
+    const Mat3 frame = frameAround(down);
+    for (int row = 0; row <= rows; ++row)
+        for (int i = 0; i < around; ++i) {
+            const float below = from + (to - from) * float(row) / rows, turn = 2 * pi * float(i) / around;
+            mesh.positions.push_back(ballCentre + below * down +
+                                     radius(below) * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]));
+        }
+    for (uint32_t row = 0; row < rows; ++row)
+        for (uint32_t i = 0; i < around; ++i) {
+            const uint32_t a = row * around + i, b = row * around + (i + 1) % around;
+            mesh.triangles.push_back({a, b, a + around});
+            mesh.triangles.push_back({b, b + around, a + around});
+        }
+    return mesh;
+}
+
+/// A post of 1 cm that ends 1 cm below the ball, thinner at its end.
+Mesh postAt(const Vec3& down) {
+    return rings(0.04f, 0.3f, down, [](float below) { return below < 0.05f ? 0.007f : 0.01f; });
+}
+
+TEST(BallStands, APostReachesTheBallWithItsWholeRadius) {
+    for (const Vec3& down : {Vec3(0, 0, -1), Vec3(0, 0, 1), glm::normalize(Vec3(1, 1, -1))}) {
+        const std::vector<SurfacePatch> sleeves = ballStands(postAt(down), oneBall());
+        ASSERT_EQ(sleeves.size(), 1u);
+        const SurfacePatch& sleeve = sleeves[0];
+        float nearest = 1, farthest = 0;
+        for (const Vec3& p : sleeve.positions) {
+            const float below = glm::dot(p - ballCentre, down);
+            EXPECT_NEAR(glm::length(p - ballCentre - below * down), 0.01f, 5e-4f);
+            nearest = std::min(nearest, below);
+            farthest = std::max(farthest, below);
+        }
+        EXPECT_LT(nearest, std::sqrt(ballRadius * ballRadius - 0.01f * 0.01f));
+        EXPECT_GT(nearest, 0.8f * ballRadius);
+        EXPECT_GT(farthest, 0.05f);
+        EXPECT_LT(farthest, 0.07f);
+        EXPECT_NEAR(sleeve.area, 2 * pi * 0.01f * (farthest - nearest), 0.05f * sleeve.area);
+        for (const auto& [a, b, c] : sleeve.triangles) {
+            const Vec3 normal = glm::cross(sleeve.positions[b] - sleeve.positions[a],
+                                           sleeve.positions[c] - sleeve.positions[a]),
+                       out = sleeve.positions[a] - ballCentre;
+            EXPECT_GT(glm::dot(normal, out - glm::dot(out, down) * down), 0);
+        }
+    }
+}
+
+TEST(BallStands, WhatIsNoPostStaysAsItIs) {
+    const Vec3 down(0, 0, -1);
+    // A shade about the ball, a post that ends far below it, and one beside it.
+    EXPECT_TRUE(
+        ballStands(rings(-0.02f, 0.06f, down, [](float below) { return 0.05f + 0.5f * below; }), oneBall()).empty());
+    EXPECT_TRUE(ballStands(rings(0.08f, 0.3f, down, [](float) { return 0.01f; }), oneBall()).empty());
+    Mesh beside = rings(0.04f, 0.3f, down, [](float) { return 0.01f; });
+    for (Vec3& p : beside.positions) p.x += 0.03f;
+    EXPECT_TRUE(ballStands(beside, oneBall()).empty());
+    // A floor on which the ball lies, with a hole below it.
+    Mesh floor = test::sheet(ballCentre + Vec3(-0.3f, -0.3f, -0.03f), {0.6f, 0, 0}, {0, 0.6f, 0}, 100, 100);
+    std::erase_if(floor.triangles,
+                  [&](const Triangle& t) { return glm::length(floor.positions[t[0]] - ballCentre) < 0.035f; });
+    EXPECT_TRUE(ballStands(floor, oneBall()).empty());
+    EXPECT_TRUE(ballStands(postAt(down), {}).empty());
+}
+
+}  // namespace
+}  // namespace relamp
