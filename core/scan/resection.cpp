@@ -32,19 +32,18 @@ Projection linearProjection(const std::vector<SeenPoint>& points) {
         size += glm::distance(p.point, centre) / double(points.size());
         spread += glm::distance(p.pixel, middle) / double(points.size());
     }
-    Eigen::Matrix<double, 12, 12> normal = Eigen::Matrix<double, 12, 12>::Zero();
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(12, 12);
     for (const SeenPoint& p : points) {
         const Eigen::Vector4d q = homogeneous((p.point - centre) / size);
         const glm::dvec2 r = (p.pixel - middle) / spread;
         for (const int axis : {0, 1}) {
-            Eigen::Matrix<double, 12, 1> row = Eigen::Matrix<double, 12, 1>::Zero();
+            Eigen::VectorXd row = Eigen::VectorXd::Zero(12);
             row.segment<4>(4 * axis) = q;
             row.segment<4>(8) = -r[axis] * q;
-            normal += row * row.transpose();
+            normal.noalias() += row * row.transpose();
         }
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen{Eigen::MatrixXd(normal)};
-    const Eigen::Matrix<double, 12, 1> least = eigen.eigenvectors().col(0);
+    const Eigen::VectorXd least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(normal).eigenvectors().col(0);
     Projection projection;
     for (int r = 0; r < 3; ++r) projection.row(r) = least.segment<4>(4 * r).transpose();
     Eigen::Matrix4d toUnits = Eigen::Matrix4d::Identity() / size;
@@ -70,40 +69,38 @@ double thicknessOf(const std::vector<SeenPoint>& points) {
     return values[2] > 0 ? std::sqrt(std::max(0.0, values[0]) / values[2]) : 0;
 }
 
-/// P = K [R t] by an RQ decomposition; none where no camera with the points before it has this projection.
+/// P = K [R t] by Gram-Schmidt on the rows, from the last; none where no camera with the points before it has this
+/// projection.
 std::optional<Camera> cameraOf(Projection p, const std::vector<SeenPoint>& points, int width, int height) {
     if (p.block<3, 3>(0, 0).determinant() < 0) p = -p;
-    const Eigen::Matrix3d m = p.block<3, 3>(0, 0);
-    const Eigen::Matrix3d reversed = m.colwise().reverse().transpose();
-    const Eigen::HouseholderQR<Eigen::Matrix3d> qr(reversed);
-    const Eigen::Matrix3d q = qr.householderQ();
-    Eigen::Matrix3d upper = qr.matrixQR().triangularView<Eigen::Upper>();
-    Eigen::Matrix3d k = upper.transpose().colwise().reverse().rowwise().reverse();
-    Eigen::Matrix3d r = q.transpose().colwise().reverse();
-    for (int i = 0; i < 3; ++i)
-        if (k(i, i) < 0) {
-            k.col(i) *= -1;
-            r.row(i) *= -1;
-        }
-    if (!(k(2, 2) > 0) || !(r.determinant() > 0)) return std::nullopt;
-    k /= k(2, 2);
-    const Eigen::Vector3d centre = -m.colPivHouseholderQr().solve(p.col(3));
+    const auto row = [&](int i) { return DVec3(p(i, 0), p(i, 1), p(i, 2)); };
+    const double scale = glm::length(row(2));
+    const DVec3 down = row(1) / scale, right = row(0) / scale;  // K's last entry is 1
+    glm::dmat3 axes;                                            // rows of R
+    axes[2] = row(2) / scale;
+    const DVec3 upright = down - glm::dot(down, axes[2]) * axes[2];
+    axes[1] = glm::normalize(upright);
+    const DVec3 level = right - glm::dot(right, axes[2]) * axes[2] - glm::dot(right, axes[1]) * axes[1];
+    axes[0] = glm::normalize(level);
+    const DVec3 centre =
+        -(glm::inverse(glm::transpose(glm::dmat3(row(0), row(1), row(2)))) * DVec3(p(0, 3), p(1, 3), p(2, 3)));
     Camera camera;
     camera.width = width;
     camera.height = height;
-    camera.focalX = k(0, 0);
-    camera.focalY = k(1, 1);
-    camera.centreX = k(0, 2);
-    camera.centreY = k(1, 2);
+    camera.focalX = glm::length(level);
+    camera.focalY = glm::length(upright);
+    camera.centreX = glm::dot(right, axes[2]);
+    camera.centreY = glm::dot(down, axes[2]);
     camera.model = LensModel::openCv;
     for (int c = 0; c < 3; ++c) {
         const double sign = c == 0 ? 1 : -1;  // OpenCV's axes to OpenGL's
-        camera.worldFromCamera[c] = glm::dvec4(sign * r(c, 0), sign * r(c, 1), sign * r(c, 2), 0);
+        camera.worldFromCamera[c] = glm::dvec4(sign * axes[c], 0);
     }
-    camera.worldFromCamera[3] = glm::dvec4(centre.x(), centre.y(), centre.z(), 1);
+    camera.worldFromCamera[3] = glm::dvec4(centre, 1);
     size_t before = 0;
     for (const SeenPoint& seen : points) before += camera.depthOf(seen.point) > 0;
-    const bool finite = std::isfinite(camera.focalX + camera.focalY + camera.centreX + camera.centreY + centre.sum());
+    const bool finite =
+        std::isfinite(camera.focalX + camera.focalY + camera.centreX + camera.centreY + glm::length(centre));
     if (!finite || before * 10 < points.size() * 9) return std::nullopt;
     return camera;
 }
@@ -159,7 +156,7 @@ struct Fit {
                });
     }
 
-    using Normal = Eigen::Matrix<double, unknowns, unknowns + 1>;  ///< J' J, and J' r behind it
+    using Normal = Eigen::MatrixXd;  ///< J' J, and J' r behind it
     Normal normalAt(const Camera& camera) const {
         constexpr double small = 1e-6;
         std::vector<Camera> more, less;
@@ -169,13 +166,13 @@ struct Fit {
             more.push_back(moved(camera, step, distance));
             less.push_back(moved(camera, -step, distance));
         }
-        const Normal zero = Normal::Zero();
+        const Normal zero = Normal::Zero(unknowns, unknowns + 1);
         Normal sum = parallelSum(points.size(), 512, zero, [&](size_t begin, size_t end) {
-            Normal part = Normal::Zero();
+            Normal part = zero;
             for (size_t i = begin; i < end; ++i) {
                 const glm::dvec2 miss = missAt(camera, i);
                 const double length = glm::length(miss), weight = length < 2 ? 1 : 2 / length;
-                Eigen::Matrix<double, 2, unknowns + 1> row;
+                Eigen::MatrixXd row(2, unknowns + 1);
                 for (int k = 0; k < unknowns; ++k) {
                     const glm::dvec2 slope = (missAt(more[size_t(k)], i) - missAt(less[size_t(k)], i)) / (2 * small);
                     row(0, k) = slope.x;
@@ -183,28 +180,34 @@ struct Fit {
                 }
                 row(0, unknowns) = miss.x;
                 row(1, unknowns) = miss.y;
-                part += weight * row.leftCols<unknowns>().transpose() * row;
+                part.noalias() += weight * row.leftCols(unknowns).transpose() * row;
             }
             return part;
         });
-        Eigen::Matrix<double, 7, unknowns + 1> prior;
+        Eigen::MatrixXd prior(7, unknowns + 1);
         for (int k = 0; k < unknowns; ++k)
             prior.col(k) = (priorOf(more[size_t(k)]) - priorOf(less[size_t(k)])) / (2 * small);
         prior.col(unknowns) = priorOf(camera);
-        sum += prior.leftCols<unknowns>().transpose() * prior;
+        sum.noalias() += prior.leftCols(unknowns).transpose() * prior;
         return sum;
     }
 };
 
+/// Of a symmetric positive definite matrix.
+Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& m) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
+    return eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 /// Levenberg-Marquardt; returns the covariance of the last normal equations.
-Eigen::Matrix<double, unknowns, unknowns> refine(Camera& camera, const Fit& fit, Progress& progress) {
+Eigen::MatrixXd refine(Camera& camera, const Fit& fit, Progress& progress) {
     double cost = fit.cost(camera), damping = 1e-3;
     Fit::Normal normal = fit.normalAt(camera);
     for (int round = 0; round < 40; ++round) {
         progress.check();
-        Eigen::Matrix<double, unknowns, unknowns> left = normal.leftCols<unknowns>();
+        Eigen::MatrixXd left = normal.leftCols(unknowns);
         left.diagonal() *= 1 + damping;
-        const Eigen::Matrix<double, unknowns, 1> step = -left.ldlt().solve(normal.col(unknowns));
+        const Eigen::VectorXd step = -inverseOf(left) * normal.col(unknowns);
         const Camera next = moved(camera, step, fit.distance);
         const double nextCost = step.allFinite() ? fit.cost(next) : INFINITY;
         if (nextCost < cost) {
@@ -216,7 +219,7 @@ Eigen::Matrix<double, unknowns, unknowns> refine(Camera& camera, const Fit& fit,
             if (settled) break;
         } else if ((damping *= 10) > 1e8) break;
     }
-    return normal.leftCols<unknowns>().ldlt().solve(Eigen::Matrix<double, unknowns, unknowns>::Identity());
+    return inverseOf(normal.leftCols(unknowns));
 }
 
 std::vector<double> missesOf(const Camera& camera, const std::vector<SeenPoint>& points) {
