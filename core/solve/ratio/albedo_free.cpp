@@ -3,6 +3,8 @@
 #include "base/parallel.h"
 #include "solve/light/folded_gram.h"
 #include "solve/light/weighted_gram.h"
+#include "solve/ratio/hue_errors.h"
+#include "solve/ratio/pair_adjacency.h"
 
 namespace relamp {
 namespace {
@@ -26,28 +28,6 @@ Eigen::VectorXd transposedProduct(const InfluenceRows& b, const std::vector<doub
     for (size_t lane = 1; lane < lanes; ++lane) partial[0] += partial[lane];
     return partial[0];
 }
-
-/// For each observation its partners: (pair, other end).
-struct Adjacency {
-    std::vector<uint32_t> start, pair, other;
-
-    Adjacency(size_t n, const std::vector<AlbedoPair>& pairs)
-        : start(n + 1, 0), pair(2 * pairs.size()), other(2 * pairs.size()) {
-        for (const AlbedoPair& p : pairs) {
-            ++start[p.a + 1];
-            ++start[p.b + 1];
-        }
-        for (size_t i = 0; i < n; ++i) start[i + 1] += start[i];
-        std::vector<uint32_t> fill(start.begin(), start.end() - 1);
-        for (uint32_t k = 0; k < pairs.size(); ++k) {
-            const AlbedoPair& p = pairs[k];
-            pair[fill[p.a]] = k;
-            other[fill[p.a]++] = p.b;
-            pair[fill[p.b]] = k;
-            other[fill[p.b]++] = p.a;
-        }
-    }
-};
 
 /// Gauss-Newton on the ratio residuals of all pairs: the light x, what it makes of the observations, the weights of the
 /// pairs, and the quadratic model about x.
@@ -188,9 +168,12 @@ void RatioFit::takeVariance(const Irradiances& at) {
                 mixing[i][c] =
                     std::max(mixing[i][c], std::abs(at[size_t(c)](Index(i)) - at[size_t(c)](adjacency_.other[k])));
     });
+    std::vector<std::array<float, 6>> hue;
+    if (options_.lightError > 0) hue = hueErrors(influence_, leafCount_, x_, at, options_.lightError);
     std::vector<Rgb> residual(pairs_.size());
     parallelFor(pairs_.size(), 4096, [&](size_t k) {
         const AlbedoPair& p = pairs_[k];
+        for (size_t b = 0; b < 6 && !hue.empty(); ++b) variance_[k].hue[b] = hue[p.a][b] + hue[p.b][b];
         for (int c = 0; c < 3; ++c) {
             const double la = at[size_t(c)](p.a), lb = at[size_t(c)](p.b), ya = matte_.radiance[p.a][c],
                          yb = matte_.radiance[p.b][c];
@@ -207,8 +190,9 @@ void RatioFit::takeVariance(const Irradiances& at) {
     });
     report_.chroma = options_.chroma ? *options_.chroma : chromaFraction(residual, variance_);
     // Between two states of one vertex channels err apart: there is no texture.
-    const auto chroma = [&](size_t k) { return pairs_[k].same ? ChromaFraction{} : report_.chroma; };
-    parallelFor(pairs_.size(), 4096, [&](size_t k) { precision_[k] = pairPrecision(variance_[k], chroma(k)); });
+    parallelFor(pairs_.size(), 4096, [&](size_t k) {
+        precision_[k] = pairPrecision(variance_[k], pairs_[k].same ? ChromaFraction{} : report_.chroma);
+    });
 }
 
 double RatioFit::evaluate(const Channels& light, const Irradiances& at, double scale, double* rmse) {

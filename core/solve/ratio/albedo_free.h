@@ -20,6 +20,7 @@ struct AlbedoFreeOptions {
     float mismatch = 0.015f;     ///< relative model error of an observation (tau)
     float sameMismatch = 0.01f;  ///< of one vertex's in two lighting states, which is off alike in both for the most
     float mixing = 0.25f;      ///< fraction of the irradiance step to the next vertex that an observation may be off by
+    float lightError = 0;      ///< relative: of what one emitter, or all other light, gives an observation
     float robustScale = 2.5f;  ///< Cauchy scale in standard deviations
     float tolerance = 1e-3f;   ///< relative change of the irradiance that counts as none
     float leastGain = 0;       ///< ends once an iteration lowers the objective by less than this, relative

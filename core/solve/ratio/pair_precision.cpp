@@ -17,6 +17,11 @@ constexpr float leastFraction = 0.005f;
 constexpr double togetherness = 4;
 constexpr size_t leastPairs = 64;
 
+/// Of the difference of channels c and d, by errors of single lights.
+float ofHue(const PairVariance& v, int c, int d) {
+    return v.hue[size_t(c)] + v.hue[size_t(d)] - 2 * v.hue[size_t(c + d + 2)];
+}
+
 }  // namespace
 
 ChromaFraction chromaFraction(const std::vector<Rgb>& residual, const std::vector<PairVariance>& variance) {
@@ -25,7 +30,7 @@ ChromaFraction chromaFraction(const std::vector<Rgb>& residual, const std::vecto
     // Twice the variance of a channel's own error is that of the difference of two; a median of squares is 0.455 of
     // their mean.
     struct Entry {
-        float noise, model, square;
+        float noise, model, hue, square;
     };
     std::vector<Entry> entries(3 * residual.size());
     parallelFor(residual.size(), 4096, [&](size_t k) {
@@ -33,7 +38,8 @@ ChromaFraction chromaFraction(const std::vector<Rgb>& residual, const std::vecto
         for (int c = 0; c < 3; ++c) {
             const int d = (c + 1) % 3;
             const float difference = r[c] - r[d];
-            entries[3 * k + size_t(c)] = {n[c] + n[d], m[c] + m[d], difference * difference / 0.455f};
+            entries[3 * k + size_t(c)] = {n[c] + n[d], m[c] + m[d], ofHue(variance[k], c, d),
+                                          difference * difference / 0.455f};
         }
     });
     // Eight bins of equal size by noise, by halving thrice.
@@ -54,15 +60,16 @@ ChromaFraction chromaFraction(const std::vector<Rgb>& residual, const std::vecto
     fraction.noise = std::clamp(*std::min_element(noise.begin(), noise.end()), leastFraction, 1.0f);
     std::vector<float> model(entries.size());
     parallelFor(entries.size(), 8192, [&](size_t i) {
-        model[i] = std::max(0.0f, entries[i].square - fraction.noise * entries[i].noise) / entries[i].model;
+        model[i] =
+            std::max(0.0f, entries[i].square - entries[i].hue - fraction.noise * entries[i].noise) / entries[i].model;
     });
     fraction.model = std::clamp(medianOf(std::move(model)), leastFraction, 1.0f);
     return fraction;
 }
 
 PairPrecision pairPrecision(const PairVariance& variance, const ChromaFraction& fraction) {
-    // Sherman-Morrison for diag(own) + u u'.
-    double inverse[3], d[3], norm = 1;
+    glm::dmat3 covariance(0);
+    glm::dvec3 common(0);
     for (int c = 0; c < 3; ++c) {
         const double all = double(variance.noise[c]) + variance.model[c];
         const double own =
@@ -70,13 +77,14 @@ PairPrecision pairPrecision(const PairVariance& variance, const ChromaFraction& 
                 ? all
                 : (double(fraction.noise) * variance.noise[c] + double(fraction.model) * variance.model[c]) /
                       togetherness;
-        const double common = (all - own) / 3;
-        inverse[c] = 1 / own;
-        d[c] = std::sqrt(common) * inverse[c];
-        norm += common * inverse[c];
+        covariance[c][c] = own;
+        common[c] = std::sqrt((all - own) / 3);
     }
-    const auto entry = [&](int c, int e) { return float((c == e ? inverse[c] : 0.0) - d[c] * d[e] / norm); };
-    return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
+    covariance += glm::outerProduct(common, common);
+    for (int c = 0; c < 3 && !fraction.apart(); ++c)
+        for (int d = 0; d < 3; ++d) covariance[c][d] += double(variance.hue[size_t(c == d ? c : c + d + 2)]);
+    const glm::dmat3 p = glm::inverse(covariance);
+    return {float(p[0][0]), float(p[1][1]), float(p[2][2]), float(p[1][0]), float(p[2][0]), float(p[2][1])};
 }
 
 }  // namespace relamp

@@ -5,6 +5,13 @@
 #include "solve/steps/steps.h"
 
 namespace relamp {
+namespace {
+
+/// How far shape and place of a reconstructed mesh change what one light gives a vertex: residuals of hue where lights
+/// of several hues mix say 3 % (statuette-pg).
+constexpr float inexactLight = 0.03f;
+
+}  // namespace
 
 AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
     std::optional<ViewRows> withPatches;
@@ -13,6 +20,7 @@ AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
     const MetalRatios* metals = request.metals;
     AlbedoFreeOptions o;
     o.chroma = request.chroma;
+    if (s.in.options.meshError > 0) o.lightError = inexactLight;
     o.iterations = request.iterations;
     // Light is soft when metals first join: their observations are far off and would be taken for outliers.
     const bool firstOfMetals = metals && !s.gloss.joined;

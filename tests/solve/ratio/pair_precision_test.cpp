@@ -36,6 +36,23 @@ TEST(PairPrecision, IsTheInverseOfTheCovariance) {
     EXPECT_NEAR(p.square(r), v3.dot(precision * v3), 1e-6);
 }
 
+TEST(PairPrecision, ErrorsOfHueComeOnTop) {
+    PairVariance v{Rgb(0.01f, 0.02f, 0.03f), Rgb(0.05f, 0.04f, 0.1f)};
+    const ChromaFraction fraction{0.5f, 0.1f};
+    const auto covariance = [&] {
+        Eigen::Matrix3d m;
+        const PairPrecision p = pairPrecision(v, fraction);
+        for (int c = 0; c < 3; ++c)
+            for (int d = 0; d < 3; ++d) m(c, d) = p(c, d);
+        return Eigen::Matrix3d(m.inverse());
+    };
+    const Eigen::Matrix3d before = covariance();
+    const Eigen::Vector3d share(0.2, -0.05, -0.15);
+    v.hue = {0.04f, 0.0025f, 0.0225f, -0.01f, -0.03f, 0.0075f};
+    EXPECT_LT((covariance() - before - share * share.transpose()).norm(), 1e-5);
+    EXPECT_NEAR(pairPrecision(v, {})(0, 1), 0, 1e-6);
+}
+
 TEST(PairPrecision, BrightnessCountsTheSameWhateverIsShared) {
     const PairVariance v{Rgb(0.02f), Rgb(0.05f)};
     const double grey[3] = {0.1, 0.1, 0.1};
@@ -60,6 +77,27 @@ TEST(ChromaFraction, IsMeasuredFromResiduals) {
     const ChromaFraction fraction = chromaFraction(residual, variance);
     EXPECT_NEAR(fraction.noise, 0.3f, 0.05f);
     EXPECT_NEAR(fraction.model, 0.04f, 0.015f);
+}
+
+TEST(ChromaFraction, DoesNotHoldWhatErrorsOfSingleLightsExplain) {
+    std::mt19937 random(4);
+    std::normal_distribution<float> normal;
+    std::vector<Rgb> residual;
+    std::vector<PairVariance> variance;
+    for (int i = 0; i < 20000; ++i) {
+        PairVariance v{Rgb(1e-5f), Rgb(0.01f)};
+        const float mixed = i % 2 ? 0.05f : 0.0f;  // half of the pairs are where a red light meets others
+        v.hue = {mixed * mixed,      mixed * mixed / 4,  mixed * mixed / 4,
+                 -mixed * mixed / 2, -mixed * mixed / 2, mixed * mixed / 4};
+        const float error = mixed * normal(random);
+        Rgb r(error, -error / 2, -error / 2);
+        for (int c = 0; c < 3; ++c) r[c] += std::sqrt(0.02f * v.model[c]) * normal(random);
+        residual.push_back(r);
+        variance.push_back(v);
+    }
+    EXPECT_NEAR(chromaFraction(residual, variance).model, 0.02f, 0.008f);
+    for (PairVariance& v : variance) v.hue = {};
+    EXPECT_GT(chromaFraction(residual, variance).model, 0.035f);
 }
 
 TEST(ChromaFraction, OfTooFewPairsIsOne) {
