@@ -109,7 +109,8 @@ std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLi
         std::vector<std::vector<DVec3>> points(count);
         for (const Triangle& t : about.triangles)
             for (const uint32_t v : t) {
-                if (used[v]++) continue;
+                if (used[v]) continue;
+                used[v] = 1;
                 points[piece[v]].push_back(DVec3(mesh.positions[v]));
                 ends[piece[v]] |= rim[v] && distance(v) < endsWithin * radius;
             }
