@@ -1,6 +1,7 @@
 #include "clusters/ball_stands.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -17,6 +18,7 @@ constexpr double leastLength = 1;             ///< of the tube that is known
 constexpr double thickest = 0.75;             ///< radius of the tube
 constexpr double offCentre = 0.5;             ///< of the axis, at most
 constexpr double sleeveEnd = 0.93;            ///< within the ball's flat faces
+constexpr double leastAway = 0.8;             ///< cosine of the axis with the way from the ball
 constexpr double ofOneRadius = 0.35;          ///< relative: distances from the axis that are a tube's
 constexpr double mostOfOne = 0.75;            ///< of its vertices
 constexpr int sectors = 8, leastSectors = 6;  ///< around it: that have some of it
@@ -24,11 +26,12 @@ constexpr int sleeveSides = 16;
 constexpr size_t leastVertices = 12;
 
 struct Tube {
-    DVec3 through{0}, along{0, 0, 1};  ///< metres; unit, away from the ball
-    double radius = 0;                 ///< metres
-    double from = 0;                   ///< metres along it from `through`: where it is whole
-    double at(const DVec3& p) const { return glm::dot(p - through, along); }
-    double off(const DVec3& p) const { return glm::length(p - through - at(p) * along); }
+    DVec3 through{0};    ///< metres
+    glm::dmat3 axes{1};  ///< the first along it, away from the ball
+    double radius = 0;   ///< metres
+    double from = 0;     ///< metres along it from `through`: where it is whole
+    double at(const DVec3& p) const { return glm::dot(p - through, axes[0]); }
+    double off(const DVec3& p) const { return glm::length(p - through - at(p) * axes[0]); }
 };
 
 /// The tube that the points are of, away from the ball about `centre`; none where they are no tube.
@@ -36,9 +39,10 @@ std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre
     if (points.size() < leastVertices) return {};
     Tube tube;
     for (const DVec3& p : points) tube.through += p / double(points.size());
-    tube.along = principalAxes(points)[0];
-    if (glm::dot(tube.along, tube.through - centre) < 0) tube.along = -tube.along;
-    if (glm::dot(tube.along, tube.through - centre) < 0.8 * glm::length(tube.through - centre)) return {};
+    tube.axes = principalAxes(points);
+    const DVec3 away = tube.through - centre;
+    if (glm::dot(tube.axes[0], away) < 0) tube.axes[0] = -tube.axes[0];
+    if (glm::dot(tube.axes[0], away) < leastAway * glm::length(away)) return {};
     if (tube.off(centre) > offCentre * ball) return {};
     std::vector<double> heights;
     for (const DVec3& p : points) heights.push_back(tube.at(p));
@@ -53,34 +57,34 @@ std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre
     const auto ofTube = [&](double r) { return std::abs(r - tube.radius) < ofOneRadius * tube.radius; };
     const double part = double(std::count_if(radii.begin(), radii.end(), ofTube)) / double(radii.size());
     if (tube.radius > thickest * ball || part < mostOfOne) return {};
-    const glm::dmat3 frame(frameAround(Vec3(tube.along)));
     unsigned around = 0;
     for (const DVec3& p : points) {
         const DVec3 d = p - tube.through;
-        const double turn = std::atan2(glm::dot(d, frame[1]), glm::dot(d, frame[0])) / (2 * piD) + 0.5;
+        const double turn = std::atan2(glm::dot(d, tube.axes[2]), glm::dot(d, tube.axes[1])) / (2 * piD) + 0.5;
         around |= 1u << std::min(sectors - 1, int(turn * sectors));
     }
-    return __builtin_popcount(around) >= leastSectors ? std::optional(tube) : std::nullopt;
+    return std::popcount(around) >= leastSectors ? std::optional(tube) : std::nullopt;
 }
 
+/// From the ball's inside to where the tube is whole.
 SurfacePatch sleeveOf(const Tube& tube, const DVec3& centre, double ball) {
     SurfacePatch patch;
-    const glm::dmat3 frame(frameAround(Vec3(tube.along)));
-    for (const bool end : {false, true})
+    const DVec3& along = tube.axes[0];
+    for (const bool inBall : {false, true})
         for (int i = 0; i < sleeveSides; ++i) {
             const double turn = 2 * piD * i / sleeveSides;
-            const DVec3 foot = tube.through + tube.radius * (std::cos(turn) * frame[0] + std::sin(turn) * frame[1]);
+            const DVec3 foot =
+                tube.through + tube.radius * (std::cos(turn) * tube.axes[1] + std::sin(turn) * tube.axes[2]);
             const DVec3 to = centre - foot;
-            const double ahead = glm::dot(to, tube.along), aside2 = glm::dot(to, to) - ahead * ahead,
-                         half = sleeveEnd * sleeveEnd * ball * ball - aside2;
-            const double stop = ahead + std::sqrt(std::max(0.0, half));
-            patch.positions.push_back(Vec3(foot + (end ? stop : std::max(tube.from, stop)) * tube.along));
+            const double ahead = glm::dot(to, along), aside2 = glm::dot(to, to) - ahead * ahead,
+                         end = ahead + std::sqrt(std::max(0.0, sleeveEnd * sleeveEnd * ball * ball - aside2));
+            patch.positions.push_back(Vec3(foot + (inBall ? end : std::max(tube.from, end + ball / 20)) * along));
         }
     for (uint32_t i = 0; i < sleeveSides; ++i) {
         const uint32_t next = (i + 1) % sleeveSides;
         for (Triangle t : {Triangle{i, next, i + sleeveSides}, Triangle{next, next + sleeveSides, i + sleeveSides}}) {
             const Vec3 &a = patch.positions[t[0]], &b = patch.positions[t[1]], &c = patch.positions[t[2]];
-            const DVec3 out = DVec3(a) - tube.through - tube.at(DVec3(a)) * tube.along;
+            const DVec3 out = DVec3(a) - tube.through - tube.at(DVec3(a)) * along;
             if (glm::dot(DVec3(glm::cross(b - a, c - a)), out) < 0) std::swap(t[1], t[2]);
             patch.triangles.push_back(t);
             patch.area += glm::length(glm::cross(b - a, c - a)) / 2;

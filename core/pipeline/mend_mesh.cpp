@@ -139,10 +139,10 @@ public:
         add(found.removed, mend_.removed);
         Mesh left = file_;
         applyMend(mend_, left);
-        const std::vector<SurfacePatch> stands = ballStands(left, found.balls);
-        for (const SurfacePatch& sleeve : stands) addPatch(sleeve);
-        if (!stands.empty())
-            found.words.push_back(fmt::format("stands of {} balls of light reach them", stands.size()));
+        for (const SurfacePatch& sleeve : ballStands(left, found.balls)) {
+            addPatch(sleeve);
+            found.words.push_back("what holds a ball of light ended before it: it reaches into the ball");
+        }
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;
