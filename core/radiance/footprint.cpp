@@ -22,7 +22,7 @@ struct Covariance {
     float xx = pixelVariance, xy = 0, yy = pixelVariance;
 };
 
-/// Covariance of a footprint in pixels, shrunk to what the window holds.
+/// Covariance of a footprint in pixels, shrunk to what the window holds; none where it has no bounds.
 std::optional<Covariance> covarianceOf(const Camera& camera, const Vec3& position, const Vec3& normal, float radius,
                                        const Vec2& pixel) {
     // Along the photograph, because finite steps must not depend on the world's axes.
@@ -38,6 +38,7 @@ std::optional<Covariance> covarianceOf(const Camera& camera, const Vec3& positio
     c.xy = coneVariance * (p.x * p.y + q.x * q.y);
     c.yy = coneVariance * (p.y * p.y + q.y * q.y);
     const float most = std::max(c.xx, c.yy) * cutAt, room = float(widest * widest);
+    if (!(std::abs(c.xy) < 1e30f && most < 1e30f)) return std::nullopt;
     const float shrink = most > room ? room / most : 1;
     c.xx *= shrink, c.xy *= shrink, c.yy *= shrink;
     return c;

@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <tuple>
 
 #include "base/box.h"
@@ -28,6 +29,7 @@ Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes) {
     scene.mesh = std::move(mesh);
     scene.axes = axes;
     const size_t n = scene.mesh.vertexCount();
+    if (scene.mesh.normals.size() != n) throw std::invalid_argument("a scene's mesh has a normal for each vertex");
     scene.graph = buildVertexGraph(scene.mesh, axes);
     scene.component = connectedComponents(scene.graph, &scene.components);
     scene.material = scene.component;

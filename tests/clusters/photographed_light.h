@@ -74,6 +74,7 @@ inline EmitterBody tubeOf(const DVec3& centre, const DVec3& along, double length
 inline Mesh surfaceOf(const EmitterBody& body) {
     Mesh mesh;
     body.surface(mesh.positions, mesh.triangles);
+    mesh.normals = vertexNormalsFromFaces(mesh);
     return mesh;
 }
 }  // namespace relamp::test
