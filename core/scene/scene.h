@@ -32,7 +32,8 @@ struct Scene {
     Vec3 normalOf(const Hit& hit) const;
 };
 
-/// Mesh -> Scene. `axes`: see Scene. Cost O(n log n). Throws Error when the ray tracer cannot be built.
+/// Mesh -> Scene. `axes`: see Scene. Cost O(n log n). Throws std::invalid_argument where the mesh has not one normal
+/// for each vertex, Error when the ray tracer cannot be built.
 Scene buildScene(Mesh mesh, Progress& progress, const Mat3& axes = Mat3(1));
 
 }  // namespace relamp
