@@ -180,7 +180,9 @@ public:
         if (obstacles.empty()) return;
         const std::vector<uint8_t> isLight = verticesOf(*prepared_.scene, {&prepared_.clusters.emitters});
         std::vector<uint32_t> filling = obstacles;
-        for (const RoundSheet& sheet : sheets_) filling = withFilling(sheet, *prepared_.scene, isLight, filling);
+        // Not of all sheets: others may take the wall of a shade for what fills them.
+        for (const RoundSheet* shade : sheetsAbout(sheets_, found.balls))
+            filling = withFilling(*shade, *prepared_.scene, isLight, filling);
         const SeenBehind behind = seenBehind(*prepared_.scene, capture_, *prepared_.samples, filling);
         logInfo("behind what hides a light lie backs of surfaces in {:.0f} % of the pixels, fronts in {:.0f} %",
                 100 * behind.backs, 100 * behind.fronts);
@@ -216,7 +218,7 @@ public:
         std::vector<SurfacePatch> whole;
         std::vector<const RoundSheet*> done;
         for (const ProxyLight& ball : found.balls) {
-            const RoundSheet* shade = shadeOf(ball);
+            const RoundSheet* shade = sheetAbout(sheets_, ball);
             if (!shade || std::count(done.begin(), done.end(), shade)) continue;
             done.push_back(shade);
             const bool low = opensLow(*shade, ball);
@@ -249,7 +251,7 @@ public:
     void evenRims(const std::vector<ProxyLight>& balls) {
         const size_t own = file_.vertexCount() + mend_.addedPositions.size();  // those of the balls follow
         for (const ProxyLight& ball : balls) {
-            const RoundSheet* shade = shadeOf(ball);
+            const RoundSheet* shade = sheetAbout(sheets_, ball);
             if (!shade) continue;
             const bool low = opensLow(*shade, ball);
             const std::optional<double> height =
@@ -259,22 +261,6 @@ public:
             logInfo("{} vertices of a shade's rim are brought to the circle that photographs show", rim.size());
             mend_.moved.insert(mend_.moved.end(), rim.begin(), rim.end());
         }
-    }
-
-    /// The largest of the sheets about a ball; null where there is none.
-    const RoundSheet* shadeOf(const ProxyLight& ball) const {
-        const RoundSheet* best = nullptr;
-        double largest = 0;
-        for (const RoundSheet& sheet : sheets_) {
-            const double at = sheet.surface.height(ball.centre), room = 2 * double(ball.radius);
-            if (!(sheet.surface.distance(ball.centre) < 0) || at < sheet.low - room || at > sheet.high + room) continue;
-            const double area = (sheet.high - sheet.low) * sheet.surface.radiusAt(0.5 * (sheet.low + sheet.high));
-            if (area > largest) {
-                largest = area;
-                best = &sheet;
-            }
-        }
-        return best;
     }
 
     /// Lights of which the photographs' frames cut a part off.

@@ -403,4 +403,29 @@ std::vector<uint32_t> withFilling(const RoundSheet& sheet, const Scene& scene, c
     return result;
 }
 
+const RoundSheet* sheetAbout(const std::vector<RoundSheet>& sheets, const ProxyLight& ball) {
+    const RoundSheet* best = nullptr;
+    double largest = 0;
+    for (const RoundSheet& sheet : sheets) {
+        const double at = sheet.surface.height(ball.centre), room = 2 * double(ball.radius);
+        if (!(sheet.surface.distance(ball.centre) < 0) || at < sheet.low - room || at > sheet.high + room) continue;
+        const double area = (sheet.high - sheet.low) * sheet.surface.radiusAt(0.5 * (sheet.low + sheet.high));
+        if (area > largest) {
+            largest = area;
+            best = &sheet;
+        }
+    }
+    return best;
+}
+
+std::vector<const RoundSheet*> sheetsAbout(const std::vector<RoundSheet>& sheets,
+                                           const std::vector<ProxyLight>& balls) {
+    std::vector<const RoundSheet*> about;
+    for (const ProxyLight& ball : balls) {
+        const RoundSheet* sheet = sheetAbout(sheets, ball);
+        if (sheet && std::find(about.begin(), about.end(), sheet) == about.end()) about.push_back(sheet);
+    }
+    return about;
+}
+
 }  // namespace relamp

@@ -31,9 +31,13 @@ std::vector<RoundSheet> roundSheets(const Scene& scene, const Capture& capture, 
                                     Progress& progress);
 
 /// `triangles` and, where one of them lies within the sheet and faces its opening, all others that do: a reconstruction
-/// fills a shade.
-/// Triangles with a vertex that `stays` are left out. Ascending; O(triangles).
+/// fills a shade. Triangles with a vertex that `stays` are left out. Ascending; O(triangles).
 std::vector<uint32_t> withFilling(const RoundSheet& sheet, const Scene& scene, const std::vector<uint8_t>& stays,
                                   const std::vector<uint32_t>& triangles);
+
+/// The largest of the sheets that a ball of light stands in: its shade; null where there is none.
+const RoundSheet* sheetAbout(const std::vector<RoundSheet>& sheets, const ProxyLight& ball);
+/// Of all balls, each sheet once.
+std::vector<const RoundSheet*> sheetsAbout(const std::vector<RoundSheet>& sheets, const std::vector<ProxyLight>& balls);
 
 }  // namespace relamp

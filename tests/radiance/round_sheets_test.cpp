@@ -218,5 +218,22 @@ TEST(BackSides, WhatFillsAShadeLiesBeforeBacks) {
     EXPECT_EQ(withFilling(sheet, world.scene, nothing, {3}), std::vector<uint32_t>{3}) << "the floor is not in it";
 }
 
+TEST(BackSides, TheLargestSheetAboutABallIsItsShade) {
+    const RevolutionSurface s = shadeOf();
+    const double quarter = low + 0.25 * (high - low);
+    const std::vector<RoundSheet> sheets{{s, low, quarter, {}}, {s, low, high, {}}};
+    const auto ballAt = [&](double height, double beside) {
+        ProxyLight ball;
+        ball.centre = s.centre + height * s.axis + beside * (s.at(low, 0) - s.at(low, piD));
+        ball.radius = 0.01f;
+        return ball;
+    };
+    EXPECT_EQ(sheetAbout(sheets, ballAt(low + 0.01, 0)), &sheets[1]);
+    EXPECT_EQ(sheetAbout(sheets, ballAt(low + 0.01, 2)), nullptr) << "outside";
+    EXPECT_EQ(sheetAbout(sheets, ballAt(high + 0.03, 0)), nullptr) << "above it";
+    const std::vector<const RoundSheet*> about = sheetsAbout(sheets, {ballAt(low, 0), ballAt(high, 0), ballAt(low, 2)});
+    EXPECT_EQ(about, std::vector<const RoundSheet*>{&sheets[1]}) << "once";
+}
+
 }  // namespace
 }  // namespace relamp
