@@ -138,9 +138,10 @@ bool EmitterDecision::judge(const SolveInput& in, const Lighting& lighting,
         cluster.evidence.demandedAlbedo = demandedAlbedo(clusters, e, rowsOf(someOf(in, cluster)), lighting);
         logInfo("patch of radiance {:.3g} {:.3g} {:.3g}: reflection would need an albedo of {:.3g}", cluster.radiance.x,
                 cluster.radiance.y, cluster.radiance.z, cluster.evidence.demandedAlbedo);
-        // What is no brighter than other surfaces are is a light only if far from what reflects.
-        constexpr float asBright = 2, reflects = 1.5f, mayReflect = 2.5f;
-        const float most = cluster.evidence.sceneContrast < asBright ? mayReflect : reflects;
+        // What is hardly brighter than other surfaces are is a light only if far from what reflects.
+        constexpr float asBright = 2, brighter = 4, reflects = 1.5f, mayReflect = 2.5f;
+        const float above = (cluster.evidence.sceneContrast - asBright) / (brighter - asBright);
+        const float most = glm::mix(mayReflect, reflects, std::clamp(above, 0.0f, 1.0f));
         if (suspect[e] && cluster.evidence.demandedAlbedo < most)
             clusters.rejected.push_back({cluster.centroid, cluster.radiance, cluster.evidence,
                                          "the other lights explain it as a reflecting surface"});
