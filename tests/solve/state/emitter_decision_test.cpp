@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "support/shapes.h"
 #include "transport/incident.h"
 
@@ -47,9 +49,8 @@ TEST(EmitterDecision, CandidatesTakePartUntilTheyAreJudged) {
     EXPECT_TRUE(EmitterDecision::of(p.scene, p.clusters, false).clusters.emitters.empty());
 }
 
-TEST(EmitterDecision, RejectsWhatTheOtherLightsExplain) {
-    const TwoPatches p;
-    EmitterDecision d = EmitterDecision::of(p.scene, p.clusters, true);
+/// Judges where each vertex gets all of an environment of this radiance and nothing else; whether anything changed.
+bool judgedUnder(EmitterDecision& d, const TwoPatches& p, float environment) {
     Capture capture;
     RadianceSamples samples;
     samples.start.assign(p.scene.mesh.vertexCount() + 1, 0);
@@ -59,22 +60,40 @@ TEST(EmitterDecision, RejectsWhatTheOtherLightsExplain) {
     const SolveInput in{capture, p.scene, samples, options, choices, progress};
     Lighting light;
     light.leaves = LightLeaves::uniform(0);
-    light.leafRadiance = {Rgb(2.5f)};
+    light.leafRadiance = {Rgb(environment)};
     light.emitterRadiance = {Rgb(50), Rgb(2)};
-    // Each vertex gets all of the environment and nothing else: 2 of 2.5 is an albedo of 0.8, 50 of 2.5 is none.
-    const auto rowsOf = [](const std::vector<uint32_t>& vertices) {
+    return d.judge(in, light, [](const std::vector<uint32_t>& vertices) {
         InfluenceMatrix rows{vertices.size(), 3, {}};
         for (size_t i = 0; i < vertices.size(); ++i) rows.values.insert(rows.values.end(), {1, 0, 0});
         return rows;
-    };
-    EXPECT_TRUE(d.judge(in, light, rowsOf));
+    });
+}
+
+TEST(EmitterDecision, RejectsWhatTheOtherLightsExplain) {
+    const TwoPatches p;
+    EmitterDecision d = EmitterDecision::of(p.scene, p.clusters, true);
+    // 2 of 2.5 is an albedo of 0.8, 50 of 2.5 is none.
+    EXPECT_TRUE(judgedUnder(d, p, 2.5f));
     ASSERT_EQ(d.clusters.emitters.size(), 1u);
     EXPECT_EQ(d.clusters.emitters[0].id, "emitter-1");
     EXPECT_NEAR(d.clusters.emitters[0].evidence.demandedAlbedo, 20, 1e-3);
     ASSERT_EQ(d.clusters.rejected.size(), 1u);
     EXPECT_NEAR(d.clusters.rejected[0].evidence.demandedAlbedo, 0.8, 1e-3);
     EXPECT_EQ(d.surfaces.size(), 1u);
-    EXPECT_FALSE(d.judge(in, light, rowsOf)) << "nothing is suspect any more";
+    EXPECT_FALSE(judgedUnder(d, p, 2.5f)) << "nothing is suspect any more";
+}
+
+TEST(EmitterDecision, TheBrighterACandidateTheLessMayReflect) {
+    // Contrast with the scene, albedo that reflection would need, whether it is a light.
+    const std::vector<std::tuple<float, float, bool>> cases{{1, 2.4f, false},   {1, 2.6f, true},  {2.4f, 1.9f, false},
+                                                            {2.4f, 2.4f, true}, {3, 1.9f, false}, {3, 2.1f, true},
+                                                            {5, 1.4f, false},   {5, 1.6f, true}};
+    for (const auto& [contrast, albedo, isLight] : cases) {
+        TwoPatches p;
+        p.clusters.candidates[0].evidence.sceneContrast = contrast;
+        EmitterDecision d = EmitterDecision::of(p.scene, p.clusters, true);
+        EXPECT_NE(judgedUnder(d, p, 2 / albedo), isLight) << contrast << ' ' << albedo;
+    }
 }
 
 TEST(EmitterDecision, RefusesACheckpointOfAnotherMesh) {
