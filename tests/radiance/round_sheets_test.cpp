@@ -218,7 +218,7 @@ TEST(BackSides, WhatFillsAShadeLiesBeforeBacks) {
     EXPECT_EQ(withFilling(sheet, world.scene, nothing, {3}), std::vector<uint32_t>{3}) << "the floor is not in it";
 }
 
-TEST(BackSides, TheLargestSheetAboutABallIsItsShade) {
+TEST(RoundSheets, TheLargestAboutABallIsItsShade) {
     const RevolutionSurface s = shadeOf();
     const double quarter = low + 0.25 * (high - low);
     const std::vector<RoundSheet> sheets{{s, low, quarter, {}}, {s, low, high, {}}};

@@ -1,5 +1,7 @@
 #include "solve/state/emitter_decision.h"
 
+#include <algorithm>
+
 #include "base/log.h"
 #include "base/statistics.h"
 #include "transport/incident.h"
