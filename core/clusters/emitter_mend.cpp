@@ -201,16 +201,31 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         proxy.radiance = e.radiance;
         mend.balls.push_back(proxy);
     };
+    // A ball, else a tube or a box, if one explains the outlines clearly better than the mesh does.
+    const auto reshape = [&](const EmitterCluster& e, const std::vector<EmitterOutline>& outlines, bool cut) {
+        const float mesh = meshOverlap(samples, e, outlines);
+        const std::optional<EmitterSphere> ball = fitSphere(scene, capture, samples, outlines);
+        if (ball && explains(*ball, outlines) && ball->overlap > mesh + clearlyBetter) {
+            replace(e, *ball, outlines);
+            mend.words.push_back(fmt::format(
+                "the mesh covers {} of what photographs show of a light at {}, a ball of {:.1f} cm covers {}: the ball "
+                "takes its place",
+                percent(mesh), placeOf(capture, e.centroid), 100 * ball->radius, percent(ball->overlap)));
+            return true;
+        }
+        std::optional<EmitterReplacement> body;
+        if (!cut) body = replacementOf(scene, capture, samples, clusters, e, outlines);
+        if (body) mend.bodies.push_back(std::move(*body));
+        return body.has_value();
+    };
     std::vector<EmitterCluster> asked = clusters.emitters;
     for (const EmitterCluster& e : clusters.candidates)
         if (tooBrightToReflect(e)) asked.push_back(withInnerRadiance(scene, capture, samples, clusters, e));
     std::vector<uint8_t> replaced(asked.size(), 0);
     for (const std::vector<size_t>& group : onePieces(scene, capture, samples, clusters)) {
         const EmitterCluster whole = joined(clusters, group);
-        std::optional<EmitterReplacement> body = replacementOf(
-            scene, capture, samples, clusters, whole, emitterOutlines(scene, capture, samples, clusters, whole));
-        if (!body) continue;
-        mend.bodies.push_back(std::move(*body));
+        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, whole);
+        if (outlines.size() < 2 || !reshape(whole, outlines, false)) continue;
         for (const size_t k : group) replaced[k] = 1;
     }
     for (size_t k = 0; k < asked.size(); ++k) {
@@ -219,37 +234,22 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         const bool cut = outlines.size() < 2;
         if (cut) outlines = emitterOutlines(scene, capture, samples, clusters, e, true);
-        if (outlines.size() < 2) continue;
-        const float mesh = meshOverlap(samples, e, outlines);
-        if (mesh >= wellCovered) continue;
-        const std::optional<EmitterSphere> ball = fitSphere(scene, capture, samples, outlines);
-        if (ball && explains(*ball, outlines) && ball->overlap > mesh + clearlyBetter) {
-            replace(e, *ball, outlines);
-            mend.words.push_back(fmt::format(
-                "the mesh covers {} of what photographs show of a light at {}, a ball of {:.1f} cm covers {}: the ball "
-                "takes its place",
-                percent(mesh), placeOf(capture, e.centroid), 100 * ball->radius, percent(ball->overlap)));
-            continue;
-        }
-        if (cut) continue;
-        if (std::optional<EmitterReplacement> body = replacementOf(scene, capture, samples, clusters, e, outlines)) {
-            mend.bodies.push_back(std::move(*body));
-            continue;
-        }
+        if (outlines.size() < 2 || meshOverlap(samples, e, outlines) >= wellCovered) continue;
+        if (reshape(e, outlines, cut) || cut) continue;
         const float most = 0.02f * scene.diagonal,
                     width = std::clamp(missingWidth(capture, samples, e, outlines), -most, most);
         if (std::abs(width) < 1e-4f * scene.diagonal) continue;
         if (normals.empty()) normals = smoothedNormals(capture.mesh, 3);
         EmitterMove move;
         move.centroid = e.centroid;
-        move.overlap = mesh;
+        move.overlap = meshOverlap(samples, e, outlines);
         for (const uint32_t v : e.vertices) {
             move.vertices.push_back({v, scene.mesh.positions[v] + width * normals[v]});
             move.radius = std::max(move.radius, glm::distance(scene.mesh.positions[v], e.centroid));
         }
         move.words = fmt::format(
             "the mesh covers {} of what photographs show of a light at {}: its surface moves out by {:.1f} mm",
-            percent(mesh), placeOf(capture, e.centroid), 1000 * width);
+            percent(move.overlap), placeOf(capture, e.centroid), 1000 * width);
         mend.moves.push_back(std::move(move));
     }
     for (const RejectedPatch& patch : clusters.rejected) {

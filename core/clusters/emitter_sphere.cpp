@@ -246,16 +246,20 @@ std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& captur
 
 bool shownInOnePiece(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                      const EmitterCluster& first, const EmitterCluster& second) {
-    size_t together = 0, apart = 0;
+    size_t together = 0, apart = 0, same = 0, others = 0;
     for (size_t i = 0; i < capture.views.size(); ++i) {
         const Camera& camera = capture.views[i].camera;
-        const PixelBox box = projectionOf(scene, first, camera);
-        if (box.empty() || box.left > box.right || box.top > box.bottom) continue;
+        const PixelBox box = projectionOf(scene, first, camera), otherBox = projectionOf(scene, second, camera);
+        const auto empty = [](const PixelBox& b) { return b.empty() || b.left > b.right || b.top > b.bottom; };
+        if (empty(box) || empty(otherBox)) continue;
         const std::vector<uint8_t> all = emittingPixels(capture.views[i], first.radiance, pixelTolerance(first));
-        std::vector<uint8_t> piece = all;
+        std::vector<uint8_t> piece = all, otherPiece = all;
         keepConnected(box, camera.width, camera.height, piece);
-        size_t ofFirst = 0, ofSecond = 0, inPiece = 0;
+        keepConnected(otherBox, camera.width, camera.height, otherPiece);
+        size_t ofFirst = 0, ofSecond = 0, inPiece = 0, pixels = 0, otherPixels = 0;
         for (size_t p = 0; p < all.size(); ++p) {
+            pixels += piece[p];
+            otherPixels += otherPiece[p];
             const uint32_t t = samples.geometry[i].triangle[p];
             if (t == Hit::none || !all[p]) continue;
             ofFirst += std::binary_search(first.triangles.begin(), first.triangles.end(), t);
@@ -263,10 +267,11 @@ bool shownInOnePiece(const Scene& scene, const Capture& capture, const RadianceS
             ofSecond += other;
             inPiece += other && piece[p];
         }
+        if (std::min(pixels, otherPixels) >= leastPixels) ++(piece == otherPiece ? same : others);
         if (ofFirst < leastPixels || ofSecond < leastPixels) continue;
         ++(2 * inPiece > ofSecond ? together : apart);
     }
-    return together >= 3 && together > 4 * apart;
+    return (together >= 3 && together > 4 * apart) || (same >= 3 && others == 0 && apart == 0);
 }
 
 float meshOverlap(const RadianceSamples& samples, const EmitterCluster& cluster,

@@ -29,7 +29,9 @@ std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& c
                                             bool cutToo = false);
 
 /// Whether photographs show both, of one radiance, in one piece: in three views, and in all but a fifth of those that
-/// show both. Lights that merely hide each other from some sides are apart in others. O(pixels).
+/// show both, or whether all views that show one where either lies show the same piece there, in three at least: what
+/// little a mesh has of a light may show no pixels. Lights that merely hide each other from some sides are apart in
+/// others. O(pixels).
 bool shownInOnePiece(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                      const EmitterCluster& first, const EmitterCluster& second);
 

@@ -40,6 +40,23 @@ TEST(EmitterMend, ABallThatTheMeshHasHalfOfIsFoundWithItsSize) {
     EXPECT_GE(mend.removed.front(), world.floorTriangles);
 }
 
+TEST(EmitterMend, ShredsOfABallAreOneBall) {
+    const Vec3 centre(0.05f, -0.1f, 0.4f);
+    Mesh shreds = ballOf(centre, 0.1f);
+    std::erase_if(shreds.triangles, [&](const Triangle& t) {
+        const Vec3 middle = (shreds.positions[t[0]] + shreds.positions[t[1]] + shreds.positions[t[2]]) / 3.0f;
+        return std::abs(middle.x - centre.x) < 0.06f;
+    });
+    const World world(ballOf(centre, 0.1f), shreds);
+    ASSERT_EQ(world.clusters.emitters.size(), 2u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 1u);
+    EXPECT_TRUE(mend.moves.empty());
+    EXPECT_NEAR(glm::length(Vec3(mend.balls[0].centre) - centre), 0, 0.002);
+    EXPECT_NEAR(mend.balls[0].radius, 0.1f, 0.002f);
+    EXPECT_EQ(mend.removed.size(), shreds.triangles.size());
+}
+
 TEST(EmitterMend, WhatLiesBeforeABallThroughWhichItIsSeenGoes) {
     const Vec3 centre(0, 0, 0.4f);
     // A curtain of mesh all around, which no photograph knows of, open above.

@@ -109,12 +109,12 @@ std::vector<std::vector<CellStatistics>> statisticsOf(const CellObservations& se
 }
 
 /// Logarithm of the likelihood with a lobe over that without: the mean over widths and over weights, which may be from
-/// a fifth to 1.6 of a glass's.
-double evidenceOf(const std::vector<CellStatistics>& lobes, double worst) {
+/// a fifth to 1.6 of a glass's, times `sign`.
+double evidenceOf(const std::vector<CellStatistics>& lobes, double sign, double worst) {
     constexpr std::array<double, 4> weights{0.2, 0.4, 0.8, 1.6};
     std::vector<double> logs;
     for (size_t k = 1; k < lobes.size(); ++k)
-        for (const double w : weights) logs.push_back(w * lobes[k].b - w * w * lobes[k].a / 2);
+        for (const double w : weights) logs.push_back(sign * w * lobes[k].b - w * w * lobes[k].a / 2);
     const double most = *std::max_element(logs.begin(), logs.end());
     double sum = 0;
     for (const double l : logs) sum += std::exp(l - most);
@@ -136,6 +136,29 @@ std::vector<uint32_t> joinedCells(const SurfaceCells& cells, const std::vector<u
     }
     for (uint32_t c = 0; c < cells.count; ++c) first[c] = root(c);
     return first;
+}
+
+/// What changes with the view as lobes of weights of this sign do, by the minimum cut: a region for each set of joined
+/// cells, in the order of vertices.
+std::vector<GlossyRegion> regionsOf(const Scene& scene, const SurfaceCells& cells,
+                                    const std::vector<std::vector<CellStatistics>>& statistics, double sign,
+                                    const GlossyRegionOptions& options) {
+    std::vector<double> evidence(cells.count);
+    for (uint32_t c = 0; c < cells.count; ++c) evidence[c] = evidenceOf(statistics[c], sign, options.worstCell);
+    std::vector<CutEdge> edges;
+    for (const CellBorder& b : cells.borders) edges.push_back({b.a, b.b, options.parting * b.alike});
+    const std::vector<uint8_t> glossy = minimumCut(evidence, edges);
+    const std::vector<uint32_t> first = joinedCells(cells, glossy);
+    std::vector<GlossyRegion> all(cells.count);
+    for (uint32_t v = 0; v < cells.cellOf.size(); ++v)
+        if (const uint32_t c = cells.cellOf[v]; c != noCell && glossy[c]) {
+            all[first[c]].vertices.push_back(v);
+            all[first[c]].component = scene.component[v];
+        }
+    for (uint32_t c = 0; c < cells.count; ++c)
+        if (glossy[c]) all[first[c]].evidence += evidence[c];
+    std::erase_if(all, [](const GlossyRegion& region) { return region.vertices.empty(); });
+    return all;
 }
 
 std::vector<size_t> verticesOfComponents(const Scene& scene, const std::vector<uint8_t>& skip) {
@@ -192,24 +215,15 @@ std::vector<GlossyRegion> glossyRegions(const Capture& capture, const Scene& sce
     const auto responses =
         lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, seen.observations, rows, progress);
     const auto statistics = statisticsOf(seen, cells, responses);
-    std::vector<double> evidence(cells.count);
-    for (uint32_t c = 0; c < cells.count; ++c) evidence[c] = evidenceOf(statistics[c], options.worstCell);
-    std::vector<CutEdge> edges;
-    for (const CellBorder& b : cells.borders) edges.push_back({b.a, b.b, options.parting * b.alike});
-    const std::vector<uint8_t> glossy = minimumCut(evidence, edges);
-    const std::vector<uint32_t> first = joinedCells(cells, glossy);
-    // One region for each set of joined cells, in the order of vertices.
+    // Errors of shape and place reach over many vertices, and may look like a lobe. They look like one of negative
+    // weight, which nothing has, as often.
+    double least = options.leastEvidence;
+    for (const GlossyRegion& region : regionsOf(scene, cells, statistics, -1, options))
+        least = std::max(least, options.overChance * region.evidence);
+    std::vector<GlossyRegion> regions;
     const std::vector<size_t> ofComponent = verticesOfComponents(scene, skip);
-    std::vector<GlossyRegion> all(cells.count), regions;
-    for (uint32_t v = 0; v < cells.cellOf.size(); ++v)
-        if (const uint32_t c = cells.cellOf[v]; c != noCell && glossy[c]) {
-            all[first[c]].vertices.push_back(v);
-            all[first[c]].component = scene.component[v];
-        }
-    for (uint32_t c = 0; c < cells.count; ++c)
-        if (glossy[c]) all[first[c]].evidence += evidence[c];
-    for (GlossyRegion& region : all) {
-        if (region.vertices.size() < options.leastVertices || region.evidence < options.leastEvidence) continue;
+    for (GlossyRegion& region : regionsOf(scene, cells, statistics, 1, options)) {
+        if (region.vertices.size() < options.leastVertices || region.evidence < least) continue;
         region.whole = float(region.vertices.size()) > options.largestPart * float(ofComponent[region.component]);
         regions.push_back(std::move(region));
     }

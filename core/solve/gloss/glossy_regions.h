@@ -21,6 +21,7 @@ struct GlossyRegionOptions {
     uint64_t seed = 1;
     size_t mostObservations = 60000;
     double leastEvidence = 8;   ///< of a region
+    double overChance = 2;      ///< times the evidence of the likeliest region of negative weight
     size_t leastVertices = 60;  ///< of a region
     float largestPart = 0.6f;   ///< of a component: what is more is the component, not a part of it
     double parting = 0.5;       ///< what each edge of the mesh across a border on an even surface costs
@@ -35,7 +36,8 @@ bool mayHaveParts(const Scene& scene, const RadianceSamples& samples, const std:
 /// How observations change with the view is held against what dielectric lobes of six widths would show under
 /// `lighting` [Walter07], coarse light as a pilot finds it. Each cell of the surface has a likelihood for being coated,
 /// over all widths and weights, its Lambert part free at every vertex. The minimum cut [Greig89] puts borders where
-/// colour or shape changes. `skip`: per vertex 1 where an emitter lies. Cost: 88 rays an observation, 3 s for 60000.
+/// colour or shape changes. What is no likelier than chance is left out, and chance is what lobes of negative weight
+/// explain [Elias07]. `skip`: per vertex 1 where an emitter lies. Cost: 88 rays an observation, 3 s for 60000.
 /// The same bits on any number of threads. Throws Cancelled.
 std::vector<GlossyRegion> glossyRegions(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                         const std::vector<EmitterSurface>& emitters,

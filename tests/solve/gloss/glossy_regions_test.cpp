@@ -8,7 +8,7 @@
 namespace relamp {
 namespace {
 
-std::vector<GlossyRegion> regionsOf(const test::CoatedBall& ball) {
+std::vector<GlossyRegion> regionsOf(const test::CoatedBall& ball, const GlossyRegionOptions& options = {}) {
     const std::vector<uint8_t> skip(ball.scene.mesh.vertexCount(), 0);
     MatteObservations matte;
     for (uint32_t v = 0; v < skip.size(); ++v) {
@@ -16,7 +16,7 @@ std::vector<GlossyRegion> regionsOf(const test::CoatedBall& ball) {
         matte.radiance.push_back(ball.matte[v]);
     }
     Progress progress;
-    return glossyRegions(ball.capture, ball.scene, ball.samples, {}, {}, matte, skip, ball.lighting, {}, progress);
+    return glossyRegions(ball.capture, ball.scene, ball.samples, {}, {}, matte, skip, ball.lighting, options, progress);
 }
 
 TEST(GlossyRegions, FindTheCoatedPartOfABall) {
@@ -59,6 +59,23 @@ TEST(GlossyRegions, WhatChangesNotAsALobeDoesIsNone) {
         RadianceSample& r = ball.samples.samples[i];
         r.radiance *= 1 + 0.4f * (unitFloat(mixBits(i)) - 0.5f);
     }
+    EXPECT_TRUE(regionsOf(ball).empty());
+}
+
+TEST(GlossyRegions, WhatLooksLikeALobeByChanceIsNone) {
+    // What looks like a lobe of positive weight here looks like one of negative weight there.
+    test::CoatedBall ball(60, {}, 128);
+    for (uint32_t v = 0; v < ball.scene.mesh.vertexCount(); ++v) {
+        const Vec3 p = ball.scene.mesh.positions[v];
+        if (std::sin(9 * p.x) * std::sin(9 * p.y) * std::sin(9 * p.z) > 0) continue;
+        for (uint32_t s = ball.samples.start[v]; s < ball.samples.start[v + 1]; ++s) {
+            Rgb& radiance = ball.samples.samples[s].radiance;
+            radiance = 2.0f * ball.matte[v] - radiance;
+        }
+    }
+    GlossyRegionOptions withoutChance;
+    withoutChance.overChance = 0;
+    EXPECT_FALSE(regionsOf(ball, withoutChance).empty());
     EXPECT_TRUE(regionsOf(ball).empty());
 }
 
