@@ -116,6 +116,37 @@ bool tooBrightToReflect(const EmitterCluster& candidate) {
            candidate.evidence.uniformity < surelyEven && !candidate.fitted && !candidate.unobserved;
 }
 
+/// The brightest pixel of the emitter's hue about its vertices, the median over the views; 0 if they do not agree.
+Rgb brightestAbout(const Scene& scene, const Capture& capture, const EmitterCluster& emitter) {
+    constexpr float sameHue = 0.999f, sameRadiance = 0.03f;
+    constexpr size_t leastViews = 3;
+    std::vector<float> values[3], all;
+    for (const View& view : capture.views) {
+        Rgb most(0);
+        for (const uint32_t v : emitter.vertices) {
+            const std::optional<Vec2> at = view.camera.project(DVec3(scene.mesh.positions[v]));
+            if (!at || !(at->x >= 1) || !(at->y >= 1) || !(at->x < float(view.camera.width - 1)) ||
+                !(at->y < float(view.camera.height - 1)))
+                continue;
+            for (int k = 0; k < 9; ++k) {
+                const int x = int(at->x) + k % 3 - 1, y = int(at->y) + k / 3 - 1;
+                if (!view.image.usableAt(x, y)) continue;
+                const Rgb value = view.image.at(x, y);
+                const float hue = glm::dot(value, emitter.radiance) / glm::length(emitter.radiance);
+                if (luminance(value) > luminance(most) && hue > sameHue * glm::length(value)) most = value;
+            }
+        }
+        if (most == Rgb(0)) continue;
+        for (int c = 0; c < 3; ++c) values[c].push_back(most[c]);
+        all.push_back(luminance(most));
+    }
+    if (all.size() < leastViews) return Rgb(0);
+    Rgb median;
+    for (int c = 0; c < 3; ++c) median[c] = medianOf(std::move(values[c]));
+    const auto agrees = [&](float l) { return std::abs(l - luminance(median)) < sameRadiance * luminance(median); };
+    return 2 * std::count_if(all.begin(), all.end(), agrees) > std::ptrdiff_t(all.size()) ? median : Rgb(0);
+}
+
 /// The emitter with the median radiance of pixels that lie inside its outlines: vertices at its edge are darker.
 EmitterCluster withInnerRadiance(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                  const EmitterClusters& clusters, EmitterCluster emitter) {
@@ -134,7 +165,85 @@ EmitterCluster withInnerRadiance(const Scene& scene, const Capture& capture, con
     }
     if (!values[0].empty())
         for (int c = 0; c < 3; ++c) emitter.radiance[c] = medianOf(std::move(values[c]));
+    else if (const Rgb shown = brightestAbout(scene, capture, emitter); shown != Rgb(0)) emitter.radiance = shown;
     return emitter;
+}
+
+/// Lights of one radiance whose balls touch in some views.
+struct NearBalls {
+    std::vector<size_t> lights;  ///< the first has the radiance of all
+    std::vector<EmitterSphere> balls;
+};
+
+/// Whether discs of the balls, known roughly, nearly touch in a view, though the balls themselves lie apart.
+bool touch(const Capture& capture, const EmitterSphere& a, const EmitterSphere& b) {
+    constexpr double rough = 1.5;
+    if (glm::distance(a.centre, b.centre) < a.radius + b.radius) return false;
+    for (const View& view : capture.views) {
+        const std::optional<Vec2> p = view.camera.project(a.centre), q = view.camera.project(b.centre);
+        if (!p || !q) continue;
+        const DVec3 eye = view.camera.position();
+        const double focal = std::max(view.camera.focalX, view.camera.focalY),
+                     radii =
+                         focal * (a.radius / glm::distance(eye, a.centre) + b.radius / glm::distance(eye, b.centre));
+        if (double(glm::distance(*p, *q)) < rough * radii + 2) return true;
+    }
+    return false;
+}
+
+/// A rough place, from what the mesh has of a light.
+EmitterSphere sphereAbout(const Scene& scene, const EmitterCluster& e) {
+    EmitterSphere ball;
+    ball.centre = DVec3(e.centroid);
+    for (const uint32_t v : e.vertices)
+        ball.radius = std::max(ball.radius, double(glm::distance(scene.mesh.positions[v], e.centroid)));
+    return ball;
+}
+
+/// Groups of such lights of which at least one is explained badly on its own.
+std::vector<NearBalls> ballsInTouch(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                    const EmitterClusters& clusters, const std::vector<EmitterCluster>& asked) {
+    constexpr double largest = 0.1;  // of the diagonal
+    std::vector<size_t> lights, root;
+    std::vector<EmitterSphere> balls;
+    std::vector<uint8_t> alone;
+    for (size_t k = 0; k < asked.size(); ++k) {
+        const EmitterCluster& e = asked[k];
+        if (e.unobserved || e.fitted || e.triangles.empty()) continue;
+        const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
+        std::optional<EmitterSphere> ball;
+        if (outlines.size() >= 2) ball = fitSphere(scene, capture, samples, outlines);
+        if (!ball) ball = sphereAbout(scene, e);
+        if (!(ball->radius < largest * double(scene.diagonal))) continue;
+        root.push_back(lights.size());
+        lights.push_back(k);
+        balls.push_back(*ball);
+        const bool covered = outlines.size() >= 2 && meshOverlap(samples, e, outlines) >= wellCovered;
+        alone.push_back(covered || explains(*ball, outlines));
+    }
+    for (size_t a = 0; a < lights.size(); ++a)
+        for (size_t b = a + 1; b < lights.size(); ++b) {
+            const EmitterCluster &first = asked[lights[a]], &second = asked[lights[b]];
+            if (root[a] == root[b] || !touch(capture, balls[a], balls[b]) ||
+                glm::length(first.radiance - second.radiance) > pixelTolerance(first) * glm::length(first.radiance))
+                continue;
+            const size_t from = root[b], to = root[a];
+            for (size_t& r : root)
+                if (r == from) r = to;
+        }
+    std::vector<NearBalls> groups;
+    for (size_t k = 0; k < lights.size(); ++k) {
+        NearBalls group;
+        bool all = true;
+        for (size_t i = 0; i < lights.size(); ++i)
+            if (root[i] == k) {
+                group.lights.push_back(lights[i]);
+                group.balls.push_back(balls[i]);
+                all &= alone[i] != 0;
+            }
+        if (group.lights.size() > 1 && !all) groups.push_back(std::move(group));
+    }
+    return groups;
 }
 
 /// The tube or box that takes the emitter's place, if one explains the outlines clearly better than the mesh.
@@ -201,16 +310,20 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         proxy.radiance = e.radiance;
         mend.balls.push_back(proxy);
     };
+    const auto takeBall = [&](const EmitterCluster& e, const EmitterSphere& ball,
+                              const std::vector<EmitterOutline>& outlines, float mesh) {
+        replace(e, ball, outlines);
+        mend.words.push_back(fmt::format(
+            "the mesh covers {} of what photographs show of a light at {}, a ball of {:.1f} cm covers {}: the ball "
+            "takes its place",
+            percent(mesh), placeOf(capture, e.centroid), 100 * ball.radius, percent(ball.overlap)));
+    };
     // A ball, else a tube or a box, if one explains the outlines clearly better than the mesh does.
     const auto reshape = [&](const EmitterCluster& e, const std::vector<EmitterOutline>& outlines, bool cut) {
         const float mesh = meshOverlap(samples, e, outlines);
         const std::optional<EmitterSphere> ball = fitSphere(scene, capture, samples, outlines);
         if (ball && explains(*ball, outlines) && ball->overlap > mesh + clearlyBetter) {
-            replace(e, *ball, outlines);
-            mend.words.push_back(fmt::format(
-                "the mesh covers {} of what photographs show of a light at {}, a ball of {:.1f} cm covers {}: the ball "
-                "takes its place",
-                percent(mesh), placeOf(capture, e.centroid), 100 * ball->radius, percent(ball->overlap)));
+            takeBall(e, *ball, outlines, mesh);
             return true;
         }
         std::optional<EmitterReplacement> body;
@@ -222,6 +335,18 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
     for (const EmitterCluster& e : clusters.candidates)
         if (tooBrightToReflect(e)) asked.push_back(withInnerRadiance(scene, capture, samples, clusters, e));
     std::vector<uint8_t> replaced(asked.size(), 0);
+    for (const NearBalls& group : ballsInTouch(scene, capture, samples, clusters, asked)) {
+        const BallsTogether found = fitSpheresTogether(scene, capture, samples, asked[group.lights[0]], group.balls);
+        for (size_t i = 0; i < group.lights.size(); ++i) {
+            const EmitterCluster& e = asked[group.lights[i]];
+            const float mesh = meshOverlap(samples, e, found.outlines[i]);
+            if (found.outlines[i].size() < 2 || !explains(found.balls[i], found.outlines[i]) ||
+                !(found.balls[i].overlap > mesh + clearlyBetter))
+                continue;
+            takeBall(e, found.balls[i], found.outlines[i], mesh);
+            replaced[group.lights[i]] = 1;
+        }
+    }
     for (const std::vector<size_t>& group : onePieces(scene, capture, samples, clusters)) {
         const EmitterCluster whole = joined(clusters, group);
         const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, whole);

@@ -70,17 +70,18 @@ bool keepConnected(const PixelBox& box, int width, int height, std::vector<uint8
     return inside;
 }
 
-/// Middles of the sides between a pixel that shows the emitter and one that does not.
-std::vector<Vec2> boundaryOf(const std::vector<uint8_t>& shows, int width, int height, size_t& length) {
+/// Middles of the sides between a pixel that shows the emitter and one where no light shows.
+std::vector<Vec2> boundaryOf(const std::vector<uint8_t>& shows, const std::vector<uint8_t>& light, int width,
+                             int height, size_t& length) {
     std::vector<Vec2> all;
     for (int y = 1; y + 1 < height; ++y)
         for (int x = 1; x + 1 < width; ++x) {
             const size_t p = size_t(y) * size_t(width) + size_t(x);
             if (!shows[p]) continue;
-            if (!shows[p - 1]) all.emplace_back(x, y + 0.5f);
-            if (!shows[p + 1]) all.emplace_back(x + 1, y + 0.5f);
-            if (!shows[p - size_t(width)]) all.emplace_back(x + 0.5f, y);
-            if (!shows[p + size_t(width)]) all.emplace_back(x + 0.5f, y + 1);
+            if (!light[p - 1]) all.emplace_back(x, y + 0.5f);
+            if (!light[p + 1]) all.emplace_back(x + 1, y + 0.5f);
+            if (!light[p - size_t(width)]) all.emplace_back(x + 0.5f, y);
+            if (!light[p + size_t(width)]) all.emplace_back(x + 0.5f, y + 1);
         }
     length = all.size();
     std::vector<Vec2> some;
@@ -106,6 +107,11 @@ struct BoundaryRay {
     DVec3 eye, direction;
     double pixels;
 };
+
+void addBoundary(const EmitterOutline& outline, const Camera& camera, std::vector<BoundaryRay>& rays) {
+    const double focal = std::sqrt(camera.focalX * camera.focalY);
+    for (const Vec2& q : outline.boundary) rays.push_back({camera.position(), DVec3(camera.rayDirection(q)), focal});
+}
 
 /// Where the rays meet best.
 DVec3 meetingPoint(const std::vector<BoundaryRay>& rays) {
@@ -181,6 +187,66 @@ void judge(const Scene& scene, const Capture& capture, const RadianceSamples& sa
     ball.nextSeen = found.nextSeen;
 }
 
+/// Angle between a ray and a ball's middle over the ball's angular radius.
+double radiiFrom(const EmitterSphere& ball, const DVec3& eye, const DVec3& direction) {
+    const DVec3 to = ball.centre - eye;
+    const double distance = glm::length(to);
+    if (!(distance > ball.radius)) return 1e9;
+    return std::acos(std::clamp(glm::dot(to, direction) / distance, -1.0, 1.0)) / std::asin(ball.radius / distance);
+}
+
+/// Whether the frame holds all of the ball.
+bool framed(const EmitterSphere& ball, const Camera& camera) {
+    const std::optional<Vec2> middle = camera.project(ball.centre);
+    const double distance = glm::length(ball.centre - camera.position());
+    if (!middle || !(distance > ball.radius)) return false;
+    const float reach = float(1.1 * std::max(camera.focalX, camera.focalY) * ball.radius / distance) + 1;
+    return middle->x > reach && middle->y > reach && middle->x + reach < float(camera.width) &&
+           middle->y + reach < float(camera.height);
+}
+
+/// The part of a view's light that each ball explains best, or has in its disc (the boundary is of the former).
+std::vector<EmitterOutline> partsOf(const View& view, size_t index, const std::vector<uint8_t>& light,
+                                    const std::vector<EmitterSphere>& balls) {
+    constexpr double farthest = 2;  // radii
+    const Camera& camera = view.camera;
+    const DVec3 eye = camera.position();
+    std::vector<std::vector<uint8_t>> nearest(balls.size(), std::vector<uint8_t>(light.size(), 0)), inside = nearest;
+    std::vector<DVec3> sums(balls.size(), DVec3(0));
+    for (size_t p = 0; p < light.size(); ++p) {
+        if (!light[p]) continue;
+        const Vec2 pixel(float(p % size_t(camera.width)) + 0.5f, float(p / size_t(camera.width)) + 0.5f);
+        const DVec3 direction(camera.rayDirection(pixel));
+        size_t best = balls.size();
+        double least = farthest;
+        for (size_t k = 0; k < balls.size(); ++k) {
+            const double radii = radiiFrom(balls[k], eye, direction);
+            inside[k][p] = radii < 1;
+            if (radii < least) {
+                least = radii;
+                best = k;
+            }
+        }
+        if (best == balls.size()) continue;
+        nearest[best][p] = inside[best][p] = 1;
+        sums[best] += DVec3(pixel, 1);
+    }
+    std::vector<EmitterOutline> parts(balls.size());
+    for (size_t k = 0; k < balls.size(); ++k) {
+        EmitterOutline& part = parts[k];
+        part.view = index;
+        part.pixels = size_t(sums[k].z);
+        if (part.pixels < leastPixels || !framed(balls[k], camera)) {
+            part.pixels = 0;
+            continue;
+        }
+        part.centre = Vec2(float(sums[k].x / sums[k].z), float(sums[k].y / sums[k].z));
+        part.boundary = boundaryOf(nearest[k], light, camera.width, camera.height, part.boundaryLength);
+        part.shows = std::move(inside[k]);
+    }
+    return parts;
+}
+
 }  // namespace
 
 std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
@@ -205,7 +271,8 @@ std::vector<EmitterOutline> emitterOutlines(const Scene& scene, const Capture& c
         const size_t others = pixelsOfOthers(samples.geometry[i], clusters, cluster, outline.shows);
         if (float(others) > mostOfOthers * float(outline.pixels)) continue;
         outline.centre = Vec2(float(sum.x / sum.z), float(sum.y / sum.z));
-        outline.boundary = boundaryOf(outline.shows, camera.width, camera.height, outline.boundaryLength);
+        outline.boundary =
+            boundaryOf(outline.shows, outline.shows, camera.width, camera.height, outline.boundaryLength);
         result.push_back(std::move(outline));
     }
     return result;
@@ -219,8 +286,7 @@ std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& captur
         const Camera& camera = capture.views[outline.view].camera;
         const double focal = std::sqrt(camera.focalX * camera.focalY);
         centres.push_back({camera.position(), DVec3(camera.rayDirection(outline.centre)), focal});
-        for (const Vec2& q : outline.boundary)
-            boundary.push_back({camera.position(), DVec3(camera.rayDirection(q)), focal});
+        addBoundary(outline, camera, boundary);
     }
     double widest = 1;
     for (const BoundaryRay& a : centres)
@@ -242,6 +308,37 @@ std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& captur
     EmitterSphere ball{DVec3(found), found.w};
     judge(scene, capture, samples, outlines, ball);
     return ball;
+}
+
+BallsTogether fitSpheresTogether(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                 const EmitterCluster& light, std::vector<EmitterSphere> balls) {
+    constexpr int rounds = 4;
+    std::vector<std::vector<uint8_t>> shows;
+    for (const View& view : capture.views) shows.push_back(emittingPixels(view, light.radiance, pixelTolerance(light)));
+    BallsTogether found;
+    for (int round = 0; round <= rounds; ++round) {
+        found.outlines.assign(balls.size(), {});
+        for (size_t i = 0; i < capture.views.size(); ++i) {
+            std::vector<EmitterOutline> parts = partsOf(capture.views[i], i, shows[i], balls);
+            for (size_t k = 0; k < balls.size(); ++k)
+                if (parts[k].pixels) found.outlines[k].push_back(std::move(parts[k]));
+        }
+        if (round == rounds) break;
+        for (size_t k = 0; k < balls.size(); ++k) {
+            std::vector<BoundaryRay> boundary;
+            double largest = 0;
+            for (const EmitterOutline& outline : found.outlines[k]) {
+                addBoundary(outline, capture.views[outline.view].camera, boundary);
+                largest = std::max(largest, std::sqrt(double(outline.pixels) / piD));
+            }
+            if (found.outlines[k].size() < 2) continue;
+            const Ball ball = followBoundaries(boundary, Ball(balls[k].centre, balls[k].radius), 0.5 * largest);
+            if (isFinite(ball)) balls[k] = {DVec3(ball), ball.w};
+        }
+    }
+    for (size_t k = 0; k < balls.size(); ++k) judge(scene, capture, samples, found.outlines[k], balls[k]);
+    found.balls = std::move(balls);
+    return found;
 }
 
 bool shownInOnePiece(const Scene& scene, const Capture& capture, const RadianceSamples& samples,

@@ -50,6 +50,17 @@ struct EmitterSphere {
 std::optional<EmitterSphere> fitSphere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                        const std::vector<EmitterOutline>& outlines);
 
+/// Balls of one radiance whose outlines touch or hide each other in some views, as flames of candles do.
+struct BallsTogether {
+    std::vector<EmitterSphere> balls;                   ///< in the order they were given
+    std::vector<std::vector<EmitterOutline>> outlines;  ///< of each
+};
+
+/// Fits `balls` of `light`'s radiance at once, from rough places: a pixel belongs to the ball nearest to it in the
+/// ball's own radii, and boundaries lie only where no light shows beside them. O(pixels x balls).
+BallsTogether fitSpheresTogether(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                 const EmitterCluster& light, std::vector<EmitterSphere> balls);
+
 /// Pixels that both the outlines and the cluster's triangles have, over those that either has.
 float meshOverlap(const RadianceSamples& samples, const EmitterCluster& cluster,
                   const std::vector<EmitterOutline>& outlines);

@@ -124,6 +124,29 @@ TEST(EmitterMend, ALightBeforeABallIsNoObstacle) {
     EXPECT_GE(mend.removed.front(), world.floorTriangles + whole);
 }
 
+TEST(EmitterMend, BallsThatTouchInPhotographsAreFittedTogether) {
+    // Of each the mesh has a cap at the far side from the other, so that it does not tell their pixels apart.
+    const Vec3 first(-0.068f, 0, 0.4f), second(0.068f, 0, 0.4f);
+    Mesh both = ballOf(first, pairRadius), caps;
+    test::append(both, ballOf(second, pairRadius));
+    for (const Vec3& centre : {first, second}) {
+        Mesh cap = ballOf(centre, pairRadius);
+        std::erase_if(cap.triangles, [&](const Triangle& t) {
+            return (cap.positions[t[0]].x - centre.x) * (centre.x < 0 ? -1 : 1) < 0.02f;
+        });
+        test::append(caps, cap);
+    }
+    const World world(both, caps);
+    ASSERT_EQ(world.clusters.emitters.size(), 2u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.balls.size(), 2u);
+    for (const ProxyLight& ball : mend.balls) {
+        const Vec3& centre = ball.centre.x < 0 ? first : second;
+        EXPECT_NEAR(glm::length(Vec3(ball.centre) - centre), 0, 0.003);
+        EXPECT_NEAR(ball.radius, pairRadius, 0.002f);
+    }
+}
+
 TEST(EmitterMend, AShrunkenEggMovesOutByWhatIsMissing) {
     const Vec3 size(0.24f, 0.12f, 0.06f);
     const World world(eggOf({0, 0, 0.4f}, size), eggOf({0, 0, 0.4f}, size - 0.012f));
