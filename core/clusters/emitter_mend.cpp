@@ -319,8 +319,8 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
             percent(mesh), placeOf(capture, e.centroid), 100 * ball.radius, percent(ball.overlap)));
     };
     // A ball, else a tube or a box, if one explains the outlines clearly better than the mesh does.
-    const auto reshape = [&](const EmitterCluster& e, const std::vector<EmitterOutline>& outlines, bool cut) {
-        const float mesh = meshOverlap(samples, e, outlines);
+    const auto reshape = [&](const EmitterCluster& e, const std::vector<EmitterOutline>& outlines, float mesh,
+                             bool cut) {
         const std::optional<EmitterSphere> ball = fitSphere(scene, capture, samples, outlines);
         if (ball && explains(*ball, outlines) && ball->overlap > mesh + clearlyBetter) {
             takeBall(e, *ball, outlines, mesh);
@@ -348,9 +348,10 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         }
     }
     for (const std::vector<size_t>& group : onePieces(scene, capture, samples, clusters)) {
+        if (std::any_of(group.begin(), group.end(), [&](size_t k) { return replaced[k] != 0; })) continue;
         const EmitterCluster whole = joined(clusters, group);
         const std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, whole);
-        if (outlines.size() < 2 || !reshape(whole, outlines, false)) continue;
+        if (outlines.size() < 2 || !reshape(whole, outlines, meshOverlap(samples, whole, outlines), false)) continue;
         for (const size_t k : group) replaced[k] = 1;
     }
     for (size_t k = 0; k < asked.size(); ++k) {
@@ -359,22 +360,23 @@ EmitterMend mendEmitters(const Scene& scene, const Capture& capture, const Radia
         std::vector<EmitterOutline> outlines = emitterOutlines(scene, capture, samples, clusters, e);
         const bool cut = outlines.size() < 2;
         if (cut) outlines = emitterOutlines(scene, capture, samples, clusters, e, true);
-        if (outlines.size() < 2 || meshOverlap(samples, e, outlines) >= wellCovered) continue;
-        if (reshape(e, outlines, cut) || cut) continue;
+        if (outlines.size() < 2) continue;
+        const float mesh = meshOverlap(samples, e, outlines);
+        if (mesh >= wellCovered || reshape(e, outlines, mesh, cut) || cut) continue;
         const float most = 0.02f * scene.diagonal,
                     width = std::clamp(missingWidth(capture, samples, e, outlines), -most, most);
         if (std::abs(width) < 1e-4f * scene.diagonal) continue;
         if (normals.empty()) normals = smoothedNormals(capture.mesh, 3);
         EmitterMove move;
         move.centroid = e.centroid;
-        move.overlap = meshOverlap(samples, e, outlines);
+        move.overlap = mesh;
         for (const uint32_t v : e.vertices) {
             move.vertices.push_back({v, scene.mesh.positions[v] + width * normals[v]});
             move.radius = std::max(move.radius, glm::distance(scene.mesh.positions[v], e.centroid));
         }
         move.words = fmt::format(
             "the mesh covers {} of what photographs show of a light at {}: its surface moves out by {:.1f} mm",
-            percent(move.overlap), placeOf(capture, e.centroid), 1000 * width);
+            percent(mesh), placeOf(capture, e.centroid), 1000 * width);
         mend.moves.push_back(std::move(move));
     }
     for (const RejectedPatch& patch : clusters.rejected) {
