@@ -12,11 +12,12 @@
 namespace relamp {
 namespace {
 
-constexpr float contourSpacing = 0.004f;       ///< of the nodes, of the diagonal
-constexpr double contourDisplacement = 0.001;  ///< of the diagonal: standard deviation of a node
-constexpr double contourBend = 0.0005;         ///< of the diagonal: of a node from the mean of its neighbours
-constexpr double contourSigma = 0.3;           ///< pixels: of an outline's place
-constexpr double contourRepeated = 4;          ///< points that tell as much as an independent one
+constexpr float contourSpacing = 0.004f;        ///< of the nodes, of the diagonal
+constexpr double contourDisplacement = 0.0005;  ///< of the diagonal, at least: standard deviation of a node
+constexpr double contourOfMedian = 0.5;         ///< of what outlines are off by, the same
+constexpr double contourBend = 0.5;             ///< of that: of a node from the mean of its neighbours
+constexpr double contourSigma = 0.3;            ///< pixels: of an outline's place
+constexpr double contourRepeated = 4;           ///< points that tell as much as an independent one
 constexpr int contourRounds = 3;
 
 class ContourFit {
@@ -40,6 +41,7 @@ public:
             cameras_.push_back(start.poses.empty() ? capture.views[i].camera
                                                    : corrected(capture.views[i].camera, start.poses[i]));
         place();
+        displacement_ = std::max(contourDisplacement * double(scene.diagonal), contourOfMedian * medianDisplacement());
     }
 
     void leaveOutViews(bool leaveOut) { viewsLeftOut_ = leaveOut; }
@@ -91,29 +93,44 @@ private:
         const double scale = std::max(2 * contourSigma, 1.5 * medianOff(false));
         for (const ContourPoint& p : points_) {
             if (isLeftOut(p.view)) continue;
-            const Camera& camera = cameras_[p.view];
-            const std::optional<std::array<float, 6>> moves = pixelsByPoint(camera, pointOf(p));
-            if (!moves) continue;
-            const DVec3 normal = 0.5 * DVec3(scene_.mesh.normals[p.vertex[0]] + scene_.mesh.normals[p.vertex[1]]);
-            const Vec3 n(glm::transpose(glm::dmat3(camera.worldFromCamera)) * normal);
-            const Vec2 pixels((*moves)[0] * n.x + (*moves)[1] * n.y + (*moves)[2] * n.z,
-                              (*moves)[3] * n.x + (*moves)[4] * n.y + (*moves)[5] * n.z);
+            const std::optional<double> outwards = pixelsByDisplacement(p);
+            if (!outwards) continue;
             const double off = double(p.offset) / scale;
-            equations.addNodePrior(meanOf(p, double(glm::dot(p.outward, pixels))), double(p.offset),
+            equations.addNodePrior(meanOf(p, *outwards), double(p.offset),
                                    1 / ((1 + off * off) * contourSigma * contourSigma * contourRepeated));
         }
-        const double diagonal = double(scene_.diagonal);
         for (uint32_t n = 0; n < graph_.nodes.size(); ++n) {
-            equations.addNodePrior({{n, 1.0}}, 0, 1 / std::pow(contourDisplacement * diagonal, 2));
+            equations.addNodePrior({{n, 1.0}}, 0, 1 / (displacement_ * displacement_));
             std::vector<std::pair<uint32_t, double>> row{{n, 1.0}};
             for (const uint32_t m : graph_.neighbours[n]) row.push_back({m, -1 / double(graph_.neighbours[n].size())});
-            if (row.size() > 1) equations.addNodePrior(row, 0, 1 / std::pow(contourBend * diagonal, 2));
+            if (row.size() > 1) equations.addNodePrior(row, 0, 1 / std::pow(contourBend * displacement_, 2));
         }
         const NormalEquations::Step found = equations.solve(true);
         if (!found.valid) return;
         const std::vector<double> nodes(found.nodes.begin(), found.nodes.end());
         for (uint32_t v = 0; v < vertices_; ++v)
             if (!isStill(v)) moved_[v] += graph_.at(v, nodes);
+    }
+
+    /// Pixels that the outline goes outwards by a metre of displacement.
+    std::optional<double> pixelsByDisplacement(const ContourPoint& p) const {
+        const Camera& camera = cameras_[p.view];
+        const std::optional<std::array<float, 6>> moves = pixelsByPoint(camera, pointOf(p));
+        if (!moves) return {};
+        const DVec3 normal = 0.5 * DVec3(scene_.mesh.normals[p.vertex[0]] + scene_.mesh.normals[p.vertex[1]]);
+        const Vec3 n(glm::transpose(glm::dmat3(camera.worldFromCamera)) * normal);
+        const Vec2 pixels((*moves)[0] * n.x + (*moves)[1] * n.y + (*moves)[2] * n.z,
+                          (*moves)[3] * n.x + (*moves)[4] * n.y + (*moves)[5] * n.z);
+        return double(glm::dot(p.outward, pixels));
+    }
+
+    /// Metres along the normal, of what outlines are off by.
+    double medianDisplacement() const {
+        std::vector<float> metres;
+        for (const ContourPoint& p : points_)
+            if (const std::optional<double> outwards = pixelsByDisplacement(p); outwards && *outwards > 0)
+                metres.push_back(std::abs(p.offset) / float(*outwards));
+        return metres.empty() ? 0 : double(medianOf(std::move(metres)));
     }
 
     /// `factor` times the mean displacement of the point's two vertices, by that of the nodes.
@@ -143,6 +160,7 @@ private:
     float floor_;
     Progress& progress_;
     bool viewsLeftOut_ = false;
+    double displacement_ = 0;    ///< metres: standard deviation of a node
     std::vector<double> moved_;  ///< of each vertex since then, metres along its normal in the file
     std::vector<Camera> cameras_;
     Mesh mesh_;
