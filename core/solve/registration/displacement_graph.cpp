@@ -11,7 +11,7 @@
 namespace relamp {
 namespace {
 
-constexpr float sameSide = 0.8f;  ///< least cosine between the normals of places that move together: 37 degrees
+constexpr float sameSide = 0.5f;  ///< least cosine between the normals of places that move together
 
 /// Nodes by the cell of a grid that they lie in.
 class NodeGrid {

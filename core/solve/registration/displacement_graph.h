@@ -8,7 +8,7 @@
 namespace relamp {
 
 /// Nodes are vertices of the mesh about `spacing` apart. A vertex takes the weighted mean of up to four nodes near it
-/// whose surface faces the same way within 37 degrees: what lies past a crease does not move with it.
+/// whose surface faces the same way.
 struct DisplacementGraph {
     struct Share {
         std::array<uint32_t, 4> node{};

@@ -45,25 +45,6 @@ TEST(DisplacementGraph, KeepsSidesThatFaceAwayApart) {
     }
 }
 
-TEST(DisplacementGraph, KeepsTheSidesOfABluntRidgeApart) {
-    // A roof whose sides turn by 50 degrees.
-    const float height = std::tan(glm::radians(25.0f));
-    Mesh mesh = test::sheet({-1, -1, -height}, {1, 0, height}, {0, 2, 0}, 20, 40);
-    const size_t left = mesh.vertexCount();
-    test::append(mesh, test::sheet({0, -1, 0}, {1, 0, -height}, {0, 2, 0}, 20, 40));
-    const Scene scene = test::sceneOf(mesh);
-    const DisplacementGraph graph = buildDisplacementGraph(scene, 0.2f);
-    for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
-        double sum = 0;
-        for (size_t k = 0; k < 4; ++k) {
-            if (graph.shares[v].weight[k] <= 0) continue;
-            sum += double(graph.shares[v].weight[k]);
-            EXPECT_EQ(graph.nodes[graph.shares[v].node[k]] < left, v < left);
-        }
-        EXPECT_NEAR(sum, 1, 1e-5);
-    }
-}
-
 TEST(EdgeDistance, CountsPixelsFromTheRimOfASheet) {
     const test::ShakenSheet sheet;
     Progress progress;
