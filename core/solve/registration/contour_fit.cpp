@@ -14,7 +14,7 @@ namespace {
 
 constexpr float contourSpacing = 0.004f;        ///< of the nodes, of the diagonal
 constexpr double contourDisplacement = 0.0005;  ///< of the diagonal, at least: standard deviation of a node
-constexpr double contourOfMedian = 0.5;         ///< of what outlines are off by, the same
+constexpr double contourOfMedian = 0.5;         ///< of the median that outlines are off by: the same
 constexpr double contourBend = 0.5;             ///< of that: of a node from the mean of its neighbours
 constexpr double contourSigma = 0.3;            ///< pixels: of an outline's place
 constexpr double contourRepeated = 4;           ///< points that tell as much as an independent one
