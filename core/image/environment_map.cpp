@@ -68,26 +68,40 @@ public:
             const double azimuth = (0.5 - (double(i) + 0.5) / double(columns)) * 2 * piD;
             const double cosine = std::cos(azimuth), sine = std::sin(azimuth);
             columns_.push_back({cosine, sine, std::atan2(std::abs(sine), std::abs(cosine)) * (2 / piD),
-                                std::copysign(0.5, cosine), std::copysign(0.5, sine)});
+                                std::copysign(0.5, cosine), std::copysign(0.5, sine), columns});
+        }
+        for (size_t i = columns; i-- > 1;) {
+            Column &before = columns_[i - 1], &after = columns_[i];
+            const bool one = before.halfSignX == after.halfSignX && before.halfSignY == after.halfSignY;
+            before.end = one ? after.end : i;
         }
     }
-    /// Calls body(column, cell) for the components at height z.
+    /// Calls body(first column, one past the last, cell) for the components at height z, in order of the columns.
     template <class Body>
     void forRow(double z, Body&& body) const {
         const double r = std::sqrt(std::max(0.0, 1 - z * z));
         // sphereToSquare in double precision, but for the radius, which is its own.
         const double radius = double(std::sqrt(std::max(0.0f, 1 - std::abs(float(z))))), side = grid_.side;
         const double doubt = upright_ ? 2e-6 * side : 1;  // its single precision is good to 3e-7
-        for (size_t i = 0; i < columns_.size(); ++i) {
+        // Within a quadrant both coordinates change by as much from one column to the next: x with the sign of the
+        // sine, y against that of the cosine.
+        const double perColumn = std::max(2 * side * radius / double(columns_.size()), 1e-12);
+        for (size_t i = 0; i < columns_.size();) {
             const Column& c = columns_[i];
             double v = c.azimuth * radius, u = radius - v;
             if (z < 0) u = 1 - std::exchange(v, 1 - u);
             const double x = (u * c.halfSignX + 0.5) * side, y = (v * c.halfSignY + 0.5) * side;
             const int column = int(x), row = int(y);
-            const auto certain = [&](double fraction) { return fraction > doubt && fraction < 1 - doubt; };
-            const bool known = certain(x - column) && certain(y - row);
-            body(i, size_t(known ? row * grid_.side + column
-                                 : grid_.cellOf(Vec3(float(r * c.cosine), float(r * c.sine), float(z)))));
+            const double inX = x - column, inY = y - row;
+            size_t end = i + 1;
+            if (std::min(inX, inY) > doubt && std::max(inX, inY) < 1 - doubt) {
+                const double left = std::min(c.halfSignY > 0 ? 1 - inX : inX, c.halfSignX > 0 ? inY : 1 - inY) - doubt;
+                end = std::min(c.end, end + size_t(left / perColumn));
+                body(i, end, size_t(row * grid_.side + column));
+            } else {
+                body(i, end, size_t(grid_.cellOf(Vec3(float(r * c.cosine), float(r * c.sine), float(z)))));
+            }
+            i = end;
         }
     }
 
@@ -96,6 +110,7 @@ private:
         double cosine, sine;
         double azimuth;               ///< within its quadrant, 0 to 1
         double halfSignX, halfSignY;  ///< of the quadrant
+        size_t end;                   ///< one past the last column of the quadrant
     };
     DirectionGrid grid_;
     bool upright_;
@@ -139,11 +154,15 @@ std::vector<Rgb> integrateOverCells(const Image& latLong, const DirectionGrid& g
             const double zBottom = std::sin(piD * (0.5 - double(y + 1) / latLong.height));
             for (int s = 0; s < split; ++s) {
                 const double z = zTop + (zBottom - zTop) * (s + 0.5) / split;  // equal area: even steps in z
-                cells.forRow(z, [&](size_t i, size_t cell) {
-                    const Rgb& radiance = latLong.at(int(i / size_t(split)), int(y));
-                    part.energy[cell] += DVec3(radiance) * component;
-                    part.angle[cell] += component;
-                    part.darkest[cell] = glm::min(part.darkest[cell], radiance);
+                cells.forRow(z, [&](size_t first, size_t last, size_t cell) {
+                    for (size_t i = first, next; i < last; i = next) {
+                        const size_t texel = i / size_t(split);
+                        next = std::min(last, (texel + 1) * size_t(split));
+                        const Rgb& radiance = latLong.at(int(texel), int(y));
+                        part.energy[cell] += DVec3(radiance) * (component * double(next - i));
+                        part.darkest[cell] = glm::min(part.darkest[cell], radiance);
+                    }
+                    part.angle[cell] += component * double(last - first);
                 });
             }
         }

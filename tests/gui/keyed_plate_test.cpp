@@ -37,7 +37,7 @@ struct FilmedTable {
         std::string frames;
         for (int number = 1; number <= lastFrame; ++number) {
             const double t = double(number) / lastFrame;
-            const Camera camera = test::cameraAt({2 - t, -1.5 - 0.4 * t, 1.5}, {0, 0, 0.2}, 96, 72, 100);
+            const Camera camera = test::cameraAt({2 - t, -1.5 - 0.4 * t, 1.5}, {0, 0, 0.2}, 48, 36, 50);
             const Frame seen = renderFrame(relit, camera, options, progress);
             Image image(seen.width, seen.height);
             image.pixels = seen.beauty;
@@ -50,7 +50,7 @@ struct FilmedTable {
             frames += fmt::format("{}{{\"file_path\": \"{}\", \"transform_matrix\": [{}]}}", number > 1 ? "," : "",
                                   frame(number).filename().string(), rows);
         }
-        folder.write("track.json", "{\"w\": 96, \"h\": 72, \"fl_x\": 100, \"frames\": [" + frames + "]}");
+        folder.write("track.json", "{\"w\": 48, \"h\": 36, \"fl_x\": 50, \"frames\": [" + frames + "]}");
     }
 };
 
