@@ -279,6 +279,10 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
     if (options.plan && !extras.resume)
         solve.plan =
             planSolve(capture, scene, *part.samples, part.clusters, options.solve, options.everything, progress);
+    if (options.plan && !options.findLight && !extras.resume && !progress.hasBudget())
+        solve.plan.suspectedLight =
+            suspectUnobservedLight(capture, scene, *part.samples, part.clusters, options.solve.seed, progress);
+    if (solve.plan.suspectedLight) logInfo("{} --find-light looks for it", inWords(*solve.plan.suspectedLight));
     if (prepared.samples->states > 1) countAllStates(*prepared.samples, *part.samples, solve.plan);
     if (options.plan && !extras.resume)
         planTexture(capture, scene, *prepared.samples, options.texture, options.everything, solve.plan);

@@ -258,11 +258,17 @@ nlohmann::json planJson(const SolvePlan& plan) {
     for (const PlannedOmission& o : plan.leftOut)
         leftOut.push_back(
             {{"what", nameOf(o.what)}, {"reason", o.reason}, {"saved_s", o.savedSeconds}, {"saved_mib", o.savedMib}});
-    return {{"stages", stages},
-            {"left_out", leftOut},
-            {"predicted_s", plan.predictedSeconds()},
-            {"saved_s", plan.savedSeconds()},
-            {"planning_s", plan.planningSeconds}};
+    nlohmann::json json{{"stages", stages},
+                        {"left_out", leftOut},
+                        {"predicted_s", plan.predictedSeconds()},
+                        {"saved_s", plan.savedSeconds()},
+                        {"planning_s", plan.planningSeconds}};
+    if (const auto& light = plan.suspectedLight)
+        json["suspected_light"] = {{"position", {light->position.x, light->position.y, light->position.z}},
+                                   {"misfit_explained", light->gain},
+                                   {"standard_errors", light->certainty},
+                                   {"fraction", light->fraction}};
+    return json;
 }
 
 std::string planText(const SolvePlan& plan) {
@@ -277,6 +283,7 @@ std::string planText(const SolvePlan& plan) {
     if (!plan.leftOut.empty()) text += fmt::format("\n{:36} {:>8} {:>8}  {}\n", "left out", "s", "MiB", "because");
     for (const PlannedOmission& o : plan.leftOut)
         text += fmt::format("{:36} {:>8.2f} {:>8.0f}  {}\n", nameOf(o.what), o.savedSeconds, o.savedMib, o.reason);
+    if (plan.suspectedLight) text += fmt::format("\n{} --find-light looks for it.\n\n", inWords(*plan.suspectedLight));
     return text + "In brackets: already done and measured, the solve does it once more.\n";
 }
 

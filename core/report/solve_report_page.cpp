@@ -146,6 +146,8 @@ std::string planSection(const SolvePlan& plan) {
     std::string text =
         "<table><tr><th>Stage</th><th>Expected</th><th>Took</th><th>Memory expected</th><th>Memory needed</th></tr>\n" +
         rows + "</table>\n";
+    if (plan.suspectedLight)
+        text += "<p>" + htmlText(inWords(*plan.suspectedLight)) + " --find-light looks for it.</p>\n";
     rows.clear();
     for (const PlannedOmission& o : plan.leftOut)
         rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",

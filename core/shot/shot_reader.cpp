@@ -137,6 +137,11 @@ SolvePlan planOf(const JsonFields& object) {
     for (const JsonFields& o : object.list("left_out"))
         plan.leftOut.push_back({text(o, "what"), text(o, "reason"), o.get("saved_s", 0.0), o.get("saved_mib", 0.0)});
     plan.planningSeconds = object.get("planning_s", 0.0);
+    if (object.has("suspected_light")) {
+        const JsonFields light = object.object("suspected_light");
+        plan.suspectedLight = SuspectedLight{light.get("position", DVec3(0)), light.get("misfit_explained", 0.0),
+                                             light.get("standard_errors", 0.0), light.get("fraction", 0.0)};
+    }
     return plan;
 }
 

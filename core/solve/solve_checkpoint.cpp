@@ -204,6 +204,14 @@ void fields(File& f, SolvePlan& p) {
         f.plain(o.savedMib);
     });
     f.plain(p.planningSeconds);
+    uint8_t suspects = p.suspectedLight || File::everything ? 1 : 0;
+    f.plain(suspects);
+    if (!suspects) return;
+    if (!p.suspectedLight) p.suspectedLight.emplace();
+    SuspectedLight& light = *p.suspectedLight;
+    for (double* value :
+         {&light.position.x, &light.position.y, &light.position.z, &light.gain, &light.certainty, &light.fraction})
+        f.plain(*value);
 }
 
 template <class File>

@@ -2,11 +2,13 @@
 // measured while it runs.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/stage.h"
 #include "solve/omission.h"
+#include "solve/unobserved/suspected_light.h"
 
 namespace relamp {
 
@@ -75,6 +77,7 @@ struct SolvePlan {
     std::vector<PlannedStage> stages;
     std::vector<PlannedOmission> leftOut;
     double planningSeconds = 0;
+    std::optional<SuspectedLight> suspectedLight;
     std::shared_ptr<const RatioObservations>
         observed;  ///< what planning computed and the solve takes over; null: nothing
     std::shared_ptr<const Lighting>

@@ -163,7 +163,13 @@ TEST(Plan, SpeaksInJsonAndInWords) {
     EXPECT_TRUE(j["stages"][0]["measured_s"].is_null());
     EXPECT_EQ(j["left_out"][0]["reason"], "it is black");
     EXPECT_EQ(j["saved_s"], 2.0);
+    EXPECT_FALSE(j.contains("suspected_light"));
+    EXPECT_EQ(planText(plan).find("--find-light"), std::string::npos);
+    plan.suspectedLight = SuspectedLight{{1, 2, 3.25}, 0.125, 4, 0.5};
+    EXPECT_EQ(planJson(plan)["suspected_light"]["position"], (nlohmann::json{1, 2, 3.25}));
     const std::string text = planText(plan);
+    EXPECT_NE(text.find("near 1.00 2.00 3.25: it would give 50 % of the light"), std::string::npos) << text;
+    EXPECT_NE(text.find("--find-light"), std::string::npos);
     for (const char* word : {"visibility", "distant light", "it is black"})
         EXPECT_NE(text.find(word), std::string::npos) << word;
 }

@@ -76,9 +76,13 @@ auto fieldsOf(PlannedOmission& o) {
     auto& [what, reason, savedSeconds, savedMib] = o;
     return std::tie(what, reason, savedSeconds, savedMib);
 }
+auto fieldsOf(SuspectedLight& s) {
+    auto& [position, gain, certainty, fraction] = s;
+    return std::tie(position, gain, certainty, fraction);
+}
 auto fieldsOf(SolvePlan& p) {
-    auto& [choices, stages, leftOut, planningSeconds, observed, light] = p;
-    return std::tie(choices, stages, leftOut, planningSeconds);
+    auto& [choices, stages, leftOut, planningSeconds, suspectedLight, observed, light] = p;
+    return std::tie(choices, stages, leftOut, planningSeconds, suspectedLight);
 }
 auto fieldsOf(SolveCheckpoint& c) {
     auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined,
@@ -106,6 +110,7 @@ struct Fill {
     void operator()(float& value) { value += float(++n); }
     void operator()(double& value) { value += ++n; }
     void operator()(Vec3& value) { value += Vec3(float(++n)); }
+    void operator()(DVec3& value) { value += DVec3(++n); }
     void operator()(std::string& value) { value += std::to_string(++n); }
     void operator()(Stage& value) { value = Stage::light; }
     void operator()(Omission& value) { value = Omission::triangles; }
@@ -142,8 +147,8 @@ struct Compare {
     std::vector<std::string> differ;
     template <class T>
     void operator()(T& a, T& b, const std::string& where) {
-        if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, std::string> || std::is_arithmetic_v<T> ||
-                      std::is_enum_v<T>) {
+        if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, DVec3> || std::is_same_v<T, std::string> ||
+                      std::is_arithmetic_v<T> || std::is_enum_v<T>) {
             if (a == b) ++equal;
             else differ.push_back(where);
         } else if constexpr (std::is_array_v<T>) {

@@ -255,6 +255,11 @@ void drawUnobservedLights(Editor& editor) {
     const UnobservedSearch& last = editor.state.unobservedSearch;
     const bool told = !searching && !last.words.empty() && last.capture == document.captureFolder;
     if (told && document.fix.proxies.empty()) dimWrapped(shown(last.words));
+    if (const auto& light = editor.state.plan.suspectedLight; light && !searching && !told) {
+        wrapped(fmt::format("A light that no photograph shows may stand near {}",
+                            placeText(light->position, editor.state.lengthUnit)));
+        tooltip("While it is not known, its light is taken for the environment's. " + inWords(*light));
+    }
     for (size_t i = 0; i < document.fix.proxies.size(); ++i) {
         const ProxyLight& proxy = document.fix.proxies[i];
         if (proxy.observed()) continue;  // a light of the photographs, which has its place in the list of lights

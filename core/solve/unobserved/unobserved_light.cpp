@@ -12,7 +12,6 @@ namespace relamp {
 namespace {
 
 constexpr int coarseLevel = 2, finalLevel = 3;
-constexpr size_t refined = 6;
 constexpr float lobePowers[] = {1, 4};  ///< a panel's intensity is a cosine; a spot's falls off faster
 constexpr float radii[] = {0.05f, 0.1f, 0.15f, 0.2f, 0.3f};  ///< in parts of the distance
 constexpr double leastShapeGain = 0.01;  ///< fraction of the misfit by which each further shape is to be better
@@ -59,22 +58,23 @@ bool seenEmpty(const Capture& capture, const RadianceSamples& samples, const Vec
     return false;
 }
 
-std::vector<Vec3> placesAround(const Extent& extent) {
+std::vector<Vec3> placesAround(const Extent& extent, int side) {
     std::vector<Vec3> places;
-    const DirectionGrid directions{14};
+    const DirectionGrid directions{side};
     for (const float reach : {0.4f, 0.65f, 1.0f, 1.5f, 2.2f, 3.3f, 5.0f, 8.0f})
         for (int c = 0; c < directions.cells(); ++c)
             places.push_back(extent.middle + reach * extent.radius * directions.direction(c));
     return places;
 }
 
-/// The best places, none near a better one.
-std::vector<size_t> bestPlaces(const std::vector<Vec3>& places, const std::vector<double>& misfit, const Vec3& middle) {
+/// The best places, at most `most`, none near a better one.
+std::vector<size_t> bestPlaces(const std::vector<Vec3>& places, const std::vector<double>& misfit, const Vec3& middle,
+                               size_t most) {
     std::vector<size_t> order(places.size()), best;
     std::iota(order.begin(), order.end(), size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return misfit[a] < misfit[b]; });
     for (size_t i : order) {
-        if (!(misfit[i] < 1e300) || best.size() >= refined) break;
+        if (!(misfit[i] < 1e300) || best.size() >= most) break;
         const Vec3 a = places[i] - middle;
         const bool near = std::any_of(best.begin(), best.end(), [&](size_t j) {
             const Vec3 b = places[j] - middle;
@@ -115,14 +115,16 @@ public:
         if (tooFew()) return;
         extent_ = extentOf(coarse_);
         bright_ = 10 * float(medianOf(coarse_.radiance));
-        places_ = placesAround(extent_);
-        dense_ =
-            unobservedLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1, progress);
+        places_ = placesAround(extent_, options.directionSide);
+        if (!options.suspicion)
+            dense_ = unobservedLightData(scene, samples, clusters, coarseLevel, options.finalPairs, options.seed + 1,
+                                         progress);
         fine_ =
             unobservedLightData(scene, samples, clusters, finalLevel, options.finalPairs, options.seed + 2, progress);
     }
     bool tooFew() const { return coarse_.pairs.size() < 200; }
     UnobservedLightSearch run();
+    std::optional<SuspectedLight> suspected();
 
 private:
     /// A light that is taken for real while others are looked for.
@@ -173,7 +175,7 @@ UnobservedLightData LightSearch::with(const UnobservedLightData& base, const std
 /// too coarse for: it joins them, and the search begins again.
 std::optional<UnobservedLightFit> LightSearch::bestPlace(const std::vector<Likely>& likely) {
     UnobservedLightData data = with(coarse_, likely);
-    for (size_t pass = 0; pass < 6; ++pass) {
+    for (size_t pass = 0; pass < (options_.suspicion ? 2 : 6); ++pass) {
         const UnobservedLightFit without = fitted(data);
         misfitAlone_ = without.misfit;
         std::vector<double> misfit(places_.size(), 1e301);
@@ -187,7 +189,7 @@ std::optional<UnobservedLightFit> LightSearch::bestPlace(const std::vector<Likel
                 misfit[i] = fitUnobservedLight(data, &column, without.light, 5).misfit;
             },
             &progress_);
-        const auto candidates = bestPlaces(places_, misfit, extent_.middle);
+        const auto candidates = bestPlaces(places_, misfit, extent_.middle, options_.followed);
         progress_.begin("Following the shadows of an unobserved light", candidates.size());
         std::optional<UnobservedLightFit> best;
         for (size_t i : candidates) {
@@ -331,6 +333,19 @@ std::string LightSearch::wordsOf(const UnobservedLight& light, const Judged& jud
         100 * judgement.gain, judgement.certainty);
 }
 
+std::optional<SuspectedLight> LightSearch::suspected() {
+    const std::optional<UnobservedLightFit> place = bestPlace({});
+    if (!place) return std::nullopt;
+    const Judged judgement = judged({{place->place, {}, {}, 0}}, 0);
+    logInfo("suspected light at {}: {:.1f} % of the misfit, {:.1f} standard errors, {:.0f} % of the light",
+            placeInWords(place->place), 100 * judgement.gain, judgement.certainty, 100 * judgement.fit.fraction);
+    if (judgement.gain < double(options_.leastGain) || judgement.certainty < 4 ||
+        judgement.fit.fraction < double(options_.leastFraction))
+        return std::nullopt;
+    return SuspectedLight{capture_.origin + DVec3(place->place), judgement.gain, judgement.certainty,
+                          judgement.fit.fraction};
+}
+
 UnobservedLightSearch LightSearch::run() {
     UnobservedLightSearch search;
     std::vector<Likely> likely;
@@ -409,6 +424,28 @@ UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& 
         return nothing;
     }
     return search.run();
+}
+
+std::optional<SuspectedLight> suspectUnobservedLight(const Capture& capture, const Scene& scene,
+                                                     const RadianceSamples& samples, const EmitterClusters& clusters,
+                                                     uint64_t seed, Progress& progress) {
+    UnobservedLightOptions options;
+    options.seed = seed;
+    options.pairs = 1500;
+    options.finalPairs = 6000;
+    options.directionSide = 10;
+    options.followed = 3;
+    options.suspicion = true;
+    LightSearch search(capture, scene, samples, clusters, options, progress);
+    return search.tooFew() ? std::nullopt : search.suspected();
+}
+
+std::string inWords(const SuspectedLight& light) {
+    const DVec3& p = light.position;
+    return fmt::format(
+        "A light that no photograph shows may stand near {:.2f} {:.2f} {:.2f}: it would give {:.0f} % of the light and "
+        "lower the misfit of shading by {:.0f} % ({:.1f} standard errors).",
+        p.x, p.y, p.z, 100 * light.fraction, 100 * light.gain, light.certainty);
 }
 
 UnobservedLightSearch joinedSearches(const std::vector<std::string>& states,

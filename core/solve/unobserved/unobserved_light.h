@@ -9,6 +9,7 @@
 #include "clusters/emitter_clusters.h"
 #include "radiance/samples.h"
 #include "scene/scene.h"
+#include "solve/unobserved/suspected_light.h"
 
 namespace relamp {
 
@@ -20,6 +21,9 @@ struct UnobservedLightOptions {
     float leastOwnGain = 0.05f;   ///< and each of several beside the others
     float leastFraction = 0.05f;  ///< of the light on the surfaces that each must give
     size_t most = 6;              ///< emitters
+    int directionSide = 14;       ///< places are tried in its square of directions
+    size_t followed = 6;          ///< of the best places
+    bool suspicion = false;       ///< the first look alone (suspectUnobservedLight)
 };
 
 struct UnobservedLight {
@@ -56,6 +60,13 @@ struct UnobservedLightSearch {
 UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                            const EmitterClusters& clusters, const UnobservedLightOptions& options,
                                            Progress& progress);
+
+/// Is the search worth while? Its first look, with 800 places and 1500 pairs, for one small light that shines alike in
+/// all directions; none where it explains less than 5 % of the misfit, or by less than 4 standard errors, or gives less
+/// than 5 % of the light. Cost: 1 to 10 s of CPU. Throws Cancelled.
+std::optional<SuspectedLight> suspectUnobservedLight(const Capture& capture, const Scene& scene,
+                                                     const RadianceSamples& samples, const EmitterClusters& clusters,
+                                                     uint64_t seed, Progress& progress);
 
 /// What was found in several lighting states, each light once: as the state knows it that is surest of it.
 UnobservedLightSearch joinedSearches(const std::vector<std::string>& states,
