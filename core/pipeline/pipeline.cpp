@@ -247,6 +247,21 @@ UnobservedLightSearch searchUnobservedLight(const Capture& capture, const Pipeli
     return found;
 }
 
+namespace {
+
+/// By the brightest lighting state.
+std::optional<SuspectedLight> suspectedLight(const Capture& capture, const Prepared& prepared, uint64_t seed,
+                                             Progress& progress) {
+    const RadianceSamples& samples = *prepared.samples;
+    if (samples.states == 1)
+        return suspectUnobservedLight(capture, *prepared.scene, samples, prepared.clusters, seed, progress);
+    const uint32_t state = brightestState(prepared.clusters, samples);
+    return suspectUnobservedLight(captureOfState(capture, state), *prepared.scene, samplesOfPart(samples, state),
+                                  clustersInState(*prepared.scene, prepared.clusters, state), seed, progress);
+}
+
+}  // namespace
+
 Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepared& prepared,
                        const PipelineOptions& options, StageMeter& meter, Progress& progress,
                        const SolveExtras& extras) {
@@ -280,8 +295,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
         solve.plan =
             planSolve(capture, scene, *part.samples, part.clusters, options.solve, options.everything, progress);
     if (options.plan && !options.findLight && !extras.resume && !progress.hasBudget())
-        solve.plan.suspectedLight =
-            suspectUnobservedLight(capture, scene, *part.samples, part.clusters, options.solve.seed, progress);
+        solve.plan.suspectedLight = suspectedLight(capture, prepared, options.solve.seed, progress);
     if (solve.plan.suspectedLight) logInfo("{} --find-light looks for it", inWords(*solve.plan.suspectedLight));
     if (prepared.samples->states > 1) countAllStates(*prepared.samples, *part.samples, solve.plan);
     if (options.plan && !extras.resume)
