@@ -19,6 +19,13 @@ void moveAlong(const std::vector<Vec3>& directions, float step, const std::vecto
     }
 }
 
+glm::dquat turnOf(const PoseFix& fix) {
+    const double angle = glm::length(fix.turn);
+    return angle > 0 ? glm::angleAxis(angle, fix.turn / angle) : glm::dquat(1, 0, 0, 0);
+}
+
+DVec3 rotationVector(const glm::dquat& turn) { return glm::angle(turn) * glm::axis(turn); }
+
 }  // namespace
 
 void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh) {
@@ -30,13 +37,20 @@ void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh) {
     }
 }
 
+PoseFix composed(const PoseFix& first, const PoseFix& second) {
+    return {first.view, rotationVector(turnOf(first) * turnOf(second)), first.shift + turnOf(first) * second.shift};
+}
+
+PoseFix poseFixOf(const DMat4& motion) {
+    return {"", rotationVector(glm::quat_cast(glm::dmat3(motion))), DVec3(motion[3])};
+}
+
 Camera corrected(const Camera& camera, const PoseFix& fix) {
     const double angle = glm::length(fix.turn);
     if (!(angle <= 1) || !std::isfinite(glm::length(fix.shift)))
         throw Error("pose of {}: turned by {:g} radians, shifted by {:g} m", fix.view, angle, glm::length(fix.shift));
     Camera out = camera;
-    const glm::dquat turn = angle > 0 ? glm::angleAxis(angle, fix.turn / angle) : glm::dquat(1, 0, 0, 0);
-    DMat4 step(glm::mat3_cast(turn));
+    DMat4 step(glm::mat3_cast(turnOf(fix)));
     step[3] = glm::dvec4(fix.shift, 1);
     out.worldFromCamera = camera.worldFromCamera * step;
     return out;

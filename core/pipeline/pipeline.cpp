@@ -160,12 +160,26 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
     if (options.registration && done.registration.empty() && !mended) {
         meter.begin(Stage::registration);
         const size_t own = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
-        const RegistrationEstimate found =
-            estimateRegistration(capture, *prepared.scene, *prepared.samples, own, !prepared.working,
-                                 verticesOf(*prepared.scene, {&prepared.clusters.emitters}), progress);
+        RegistrationTask task{own, !prepared.working};
+        const auto estimate = [&] {
+            task.emits = verticesOf(*prepared.scene, {&prepared.clusters.emitters});
+            return estimateRegistration(capture, *prepared.scene, *prepared.samples, task, progress);
+        };
+        RegistrationEstimate found = estimate();
+        if (!found.farPoses.empty()) {
+            logInfo("{}", farText(found));
+            capture.notes.push_back(farText(found));
+            done.registration.poses = found.farPoses;
+            applyRegistration(done.registration, capture);
+            prepared = prepare(capture, options, meter, progress);
+            task.farCameras = false;
+            task.afterFar = true;
+            found = estimate();
+        }
         logInfo("{}{}", toText(found), found.needed() ? "; moved" : "; left as it is");
         if (found.needed()) {
             capture.notes.push_back("cameras and mesh do not quite fit: " + toText(found));
+            const std::vector<PoseFix> first = std::move(done.registration.poses);
             done.registration = found.fix;
             RegistrationFix apartFromOutlines = found.fix;
             apartFromOutlines.outlineSteps.clear();
@@ -173,6 +187,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             applyRegistration(apartFromOutlines, moved);
             shape = std::move(moved.positions);
             applyRegistration(done.registration, capture);
+            for (size_t i = 0; i < first.size(); ++i)
+                done.registration.poses[i] = composed(first[i], done.registration.poses[i]);
             prepared = prepare(capture, options, meter, progress);
         }
     }

@@ -27,6 +27,8 @@ constexpr size_t borderRings = 10;            ///< of neighbours by which the ed
 constexpr float priorWeight = 0.05f;          ///< of a vertex that is sure
 constexpr float leastLikeness = 0.01f;        ///< of neighbours
 constexpr size_t leastRegion = 30;            ///< vertices of a skirt
+constexpr float refutedOfTelling = 0.4f;      ///< fraction of a skirt's vertices of which photographs tell anything
+constexpr float refutedOfAll = 0.03f;         ///< fraction of all its vertices
 constexpr size_t leastBackground = 16;        ///< cells without which nothing is said
 
 /// What the background shows around a direction.
@@ -279,7 +281,8 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples
             telling += better[v] != 0 && better[v] != unknownDiffers;
             atRim += rim[v];
         }
-        if (region.size() < least || refuted < leastRegion || refuted * 4 < telling || atRim == 0) continue;
+        const float needed = std::max(refutedOfTelling * float(telling), refutedOfAll * float(region.size()));
+        if (region.size() < least || refuted < leastRegion || float(refuted) < needed || atRim == 0) continue;
         for (const uint32_t v : region) skirt[v] = 1;
     }
     const std::vector<uint8_t> found = skirt;

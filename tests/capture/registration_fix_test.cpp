@@ -30,6 +30,16 @@ TEST(RegistrationFix, ShiftsAndTurnsACameraAlongItsOwnAxes) {
     EXPECT_NEAR(after.y, before.y, 1e-3);
 }
 
+TEST(RegistrationFix, TwoCorrectionsOfOneCameraAreOne) {
+    const Camera camera = test::cameraAt({1, 2, 3}, {0, 0, 0}, 64, 48, 60);
+    const PoseFix first{"a", {0.1, -0.2, 0.05}, {0.3, 0, -0.1}}, second{"a", {-0.02, 0.4, 0.1}, {0, 0.2, 0.5}};
+    const Camera twice = corrected(corrected(camera, first), second), once = corrected(camera, composed(first, second));
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) EXPECT_NEAR(once.worldFromCamera[c][r], twice.worldFromCamera[c][r], 1e-12);
+    EXPECT_EQ(composed({"a"}, {"a"}).turn, DVec3(0));
+    EXPECT_EQ(composed(first, second).view, "a");
+}
+
 TEST(RegistrationFix, MovesVerticesAndTurnsTheirNormals) {
     Capture capture = sheetCapture();
     RegistrationFix fix;

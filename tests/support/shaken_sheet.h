@@ -54,12 +54,12 @@ struct ShakenSheet {
         scene = sceneOf(capture.mesh);
         capture.mesh = scene.mesh;
     }
-    /// Cameras off by about a pixel, each otherwise.
-    void shake() {
+    /// Cameras off by about `pixels`, each otherwise.
+    void shake(double pixels = 1) {
         for (int i = 0; i < views; ++i) {
             const Vec2 a = randomShift(5, uint64_t(i), 0), b = randomShift(5, uint64_t(i), 1);
-            const PoseFix off{"", DVec3(a.x - 0.5f, a.y - 0.5f, b.x - 0.5f) * 0.012,
-                              DVec3(b.y - 0.5f, b.x - 0.5f, a.x - 0.5f) * 0.02};
+            const PoseFix off{"", DVec3(a.x - 0.5f, a.y - 0.5f, b.x - 0.5f) * 0.012 * pixels,
+                              DVec3(b.y - 0.5f, b.x - 0.5f, a.x - 0.5f) * 0.02 * pixels};
             capture.views[size_t(i)].camera = corrected(capture.views[size_t(i)].camera, off);
         }
     }

@@ -13,7 +13,12 @@ constexpr float sharpest = 0.8f;
 constexpr float blurs[] = {3.0f, 1.5f, sharpest};            ///< pixels
 constexpr float wideBlurs[] = {6.0f, 3.0f, 1.5f, sharpest};  ///< for another shape
 constexpr int mostSteps = 10;                                ///< at each
-constexpr double farOff = 1e-3;  ///< misfit, squared log luminance, above which the shape may be wrong at large
+constexpr double farOff = 1e-3;  ///< misfit, squared log luminance, above which much may be wrong
+// Of the photographs' width, for cameras that are far off.
+constexpr float widestBlur = 0.019f;  ///< 12 of 640 pixels
+constexpr float farPoses = 0.0125f;   ///< standard deviation of what they move the mesh by in the photographs
+constexpr float afterFar = farPoses / 3;
+constexpr double worthIt = 0.8;  ///< of the misfit, that is left at most
 
 /// Room for hulls and coarse meshes, with poses as they are.
 RegistrationPriors widePriors() {
@@ -33,22 +38,52 @@ public:
     bool enough() const { return fit_.enough(); }
 
     /// Poses and a little of shape, for what is off by pixels.
-    void refine(bool shape, RegistrationEstimate& found) {
+    void refine(const RegistrationTask& task, RegistrationEstimate& found) {
         RegistrationPriors priors;
-        priors.shape = shape;
+        priors.shape = task.shape;
+        if (task.afterFar) priors.posePixels = std::max(priors.posePixels, double(afterFar * fit_.width()));
         const RegistrationFit::Unknowns given = fit_.unknowns();
         fit_.blur(sharpest);
         const double scale = fit_.usualScale();
         fit_.setScale(scale);
         found.before = fit_.misfitOfRegions();
         descend(blurs, priors, false);
+        if (task.afterFar) fit_.takeOutCommonMotion();  // there is room for one
         fit_.setScale(scale);
         found.after = fit_.misfitOfRegions();
         report(found);
         if (found.moved()) {
             fit_.setScale(fit_.usualScale());
             step(priors, true);
+            if (task.afterFar) fit_.takeOutCommonMotion();
             report(found);
+        } else {
+            fit_.set(given);
+        }
+    }
+
+    /// Poses alone, from photographs that are hardly more than patches of light and dark.
+    void bringFarCameras(RegistrationEstimate& found) {
+        const RegistrationFit::Unknowns given = fit_.unknowns();
+        fit_.blur(sharpest);
+        const double scale = fit_.usualScale(), before = found.moved() ? found.after : found.before;
+        RegistrationPriors priors;
+        priors.shape = false;
+        priors.posePixels = double(farPoses * fit_.width());
+        fit_.set({given.poses, std::vector<double>(given.moved.size(), 0)});
+        const float widest = std::max(blurs[0], widestBlur * fit_.width());
+        for (float sigma = widest; sigma > 2 * sharpest; sigma /= 2) {
+            fit_.blur(sigma, widest / 3);
+            fit_.setScale(fit_.usualScale());
+            step(priors, false);
+            fit_.takeOutCommonMotion();
+        }
+        fit_.blur(sharpest);
+        fit_.setScale(scale);
+        found.farAfter = fit_.misfitOfRegions();
+        if (found.farAfter < worthIt * before) {
+            found.farPoses = fit_.unknowns().poses;
+            found.farPixels = fit_.pixels();
         } else {
             fit_.set(given);
         }
@@ -120,21 +155,32 @@ std::string toText(const RegistrationEstimate& e) {
     return text;
 }
 
+std::string farText(const RegistrationEstimate& e) {
+    return fmt::format("cameras stand {:.1f} pixels from where photographs agree {:.0f} % better: moved there",
+                       e.farPixels, 100 * (1 - e.farAfter / e.before));
+}
+
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                                          size_t vertices, bool shape, const std::vector<uint8_t>& emits,
-                                          Progress& progress) {
+                                          const RegistrationTask& task, Progress& progress) {
     RegistrationEstimate found;
     Registration registration(capture, scene, samples, progress);
     if (!registration.enough()) return found;
     progress.begin("Bringing cameras and mesh together", (std::size(blurs) + 1) * mostSteps);
-    registration.refine(shape, found);
-    if (shape && !progress.outOfTime() && (found.moved() ? found.after : found.before) > farOff) {
+    registration.refine(task, found);
+    const bool far = (found.moved() ? found.after : found.before) > farOff;
+    if (far && task.farCameras && !progress.outOfTime()) {
+        progress.begin("Cameras that are far off", 4 * mostSteps);
+        registration.bringFarCameras(found);
+        if (!found.farPoses.empty()) return found;
+    }
+    if (far && task.shape && !progress.outOfTime()) {
         progress.begin("Shape from the photographs", (std::size(wideBlurs) + 1) * mostSteps);
         registration.reshape(found);
     }
-    if (found.needed()) found.fix = registration.fix(vertices);
-    if (shape && !progress.outOfTime()) {
-        found.contours = alignContours(capture, scene, found.fix, vertices, emits, registration.dark(), progress);
+    if (found.needed()) found.fix = registration.fix(task.vertices);
+    if (task.shape && !progress.outOfTime()) {
+        found.contours =
+            alignContours(capture, scene, found.fix, task.vertices, task.emits, registration.dark(), progress);
         if (found.contours.needed()) found.fix = std::move(found.contours.fix);
     }
     return found;

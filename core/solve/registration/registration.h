@@ -9,6 +9,11 @@
 namespace relamp {
 
 struct RegistrationEstimate {
+    /// Not empty: cameras are off by so much that what they see has to be found anew with these poses, and all else
+    /// after that.
+    std::vector<PoseFix> farPoses;
+    double farPixels = 0;  ///< root mean square of what the mesh moves by under them
+    double farAfter = 0;   ///< misfit under them
     RegistrationFix fix;
     double before = 0, after = 0;            ///< misfit in regions that are left out: mean loss, squared log luminance
     double pixels = 0;                       ///< root mean square of what the mesh moves by in the photographs
@@ -25,15 +30,24 @@ struct RegistrationEstimate {
 
 /// "the photographs agree 32 % better with cameras moved by 0.65 pixels and the mesh by 0.02 % of its diagonal".
 std::string toText(const RegistrationEstimate& estimate);
+/// "cameras stand 14.3 pixels from where photographs agree 78 % better: moved there".
+std::string farText(const RegistrationEstimate& estimate);
+
+struct RegistrationTask {
+    size_t vertices = 0;           ///< the first of the mesh, that may move
+    bool shape = true;             ///< false holds them
+    bool farCameras = true;        ///< whether cameras may be off by a hundredth of the photographs' width
+    bool afterFar = false;         ///< whether they were, and may still be off by a third of that
+    std::vector<uint8_t> emits{};  ///< see alignContours
+};
 
 /// From blurred photographs to sharp ones, first with every other region left out; where that is needed, once more with
-/// all. Where photographs differ by more than 3 % then, a shape at large is tried with every fourth view left out. In
-/// the end outlines are brought to where photographs show them (solve/registration/contour_fit.h). `vertices`: the
-/// first of the mesh, that may move; `shape`: false holds them. `emits`: see alignContours. Photometric refinement of
-/// poses and surface as in [Schops17], differences between near places in the place of patches' descriptors. Cost: see
-/// RegistrationFit, 1 to 5 s for ten photographs. Ends early when the time is out. Throws Cancelled.
+/// all. Where photographs differ by more than 3 % then, cameras that are far off are looked for, then a shape at large,
+/// with every fourth view left out. In the end outlines are brought to where photographs show them
+/// (solve/registration/contour_fit.h). Photometric refinement of poses and surface as in [Schops17], differences
+/// between near places in the place of patches' descriptors. Cost: see RegistrationFit, 1 to 5 s for ten photographs.
+/// Ends early when the time is out. Throws Cancelled.
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
-                                          size_t vertices, bool shape, const std::vector<uint8_t>& emits,
-                                          Progress& progress);
+                                          const RegistrationTask& task, Progress& progress);
 
 }  // namespace relamp

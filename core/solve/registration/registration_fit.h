@@ -23,8 +23,11 @@ public:
 
     float dark() const { return places_.dark; }  ///< radiance below which little is told
     bool enough() const { return places_.pairs.size() >= 400; }
-    /// Photographs blurred by so many pixels from here on. O(pixels x sigma).
-    void blur(float sigma);
+    /// Photographs blurred by so many pixels from here on, and places taken that far from edges; at most `clear`
+    /// pixels, where cameras may be off by more. O(pixels).
+    void blur(float sigma, float clear = 1e30f);
+    /// Of the widest photograph, in the pixels that `blur` counts.
+    float width() const;
     /// Scale of the Cauchy loss, log luminance: three times the median difference as it is now, or a given one.
     double usualScale() const;
     void setScale(double scale) { scale_ = scale; }
@@ -43,6 +46,9 @@ public:
     };
     const Unknowns& unknowns() const { return unknowns_; }
     void set(const Unknowns& unknowns);
+    /// Takes out of the poses what is one rigid motion of all that the cameras see: no difference between photographs
+    /// tells it, so it stays as it was given. O(places).
+    void takeOutCommonMotion();
 
     /// Root mean square of what the mesh moves by in the photographs, pixels.
     double pixels() const;
@@ -75,7 +81,7 @@ private:
     std::vector<uint32_t> stateOfView_;  ///< lighting state; surfaces differ between them
     uint32_t states_ = 1;
     std::vector<std::vector<uint8_t>> edges_;  ///< of each view: edgeDistance
-    int factor_ = 1;                           ///< that photographs are made smaller by
+    int factor_ = 1;                           ///< that photographs are made smaller by before any blur
     float clear_ = 0;                          ///< pixels that a place must be from edges
     std::vector<LogImage> images_;
     Unknowns unknowns_;

@@ -12,11 +12,11 @@ namespace {
 
 using test::ShakenSheet;
 
-RegistrationEstimate estimate(const ShakenSheet& sheet, int threads = 0) {
+RegistrationEstimate estimate(const ShakenSheet& sheet, bool far = false, int threads = 0) {
     const ThreadLimit limit(threads);
     Progress progress;
     const RadianceSamples samples = gatherRadiance(sheet.capture, sheet.scene, {}, progress);
-    return estimateRegistration(sheet.capture, sheet.scene, samples, sheet.scene.mesh.vertexCount(), true, {},
+    return estimateRegistration(sheet.capture, sheet.scene, samples, {sheet.scene.mesh.vertexCount(), true, far},
                                 progress);
 }
 
@@ -45,6 +45,24 @@ TEST(Registration, BringsCamerasAndABentSheetBack) {
     EXPECT_FALSE(estimate(sheet).needed());
 }
 
+TEST(Registration, CamerasThatAreFarOffAreBroughtNearFirst) {
+    const ShakenSheet truth;
+    ShakenSheet sheet;
+    sheet.shake(3);
+    const double pixels = sheet.pixelsFrom(truth.capture);
+    ASSERT_GT(pixels, 3);  // of 160
+    const RegistrationEstimate far = estimate(sheet, true);
+    ASSERT_EQ(far.farPoses.size(), size_t(ShakenSheet::views)) << toText(far);
+    EXPECT_TRUE(far.fix.empty());
+    EXPECT_NEAR(far.farPixels, pixels, 0.5 * pixels);
+    applyRegistration({far.farPoses}, sheet.capture);
+    EXPECT_LT(sheet.pixelsFrom(truth.capture), 0.5 * pixels);
+    const RegistrationEstimate found = estimate(sheet);
+    EXPECT_TRUE(found.farPoses.empty());
+    applyRegistration(found.fix, sheet.capture);
+    EXPECT_LT(sheet.pixelsFrom(truth.capture), 0.4 * pixels);  // 0.35 are common to all
+}
+
 TEST(Registration, FindsAHollowThatTheMeshFills) {
     ShakenSheet sheet;
     sheet.fillHollow();
@@ -61,8 +79,8 @@ TEST(Registration, HoldsTheMeshWhereToldTo) {
     sheet.shake();
     Progress progress;
     const RadianceSamples samples = gatherRadiance(sheet.capture, sheet.scene, {}, progress);
-    const RegistrationEstimate found =
-        estimateRegistration(sheet.capture, sheet.scene, samples, sheet.scene.mesh.vertexCount(), false, {}, progress);
+    const RegistrationEstimate found = estimateRegistration(sheet.capture, sheet.scene, samples,
+                                                            {sheet.scene.mesh.vertexCount(), false, false}, progress);
     EXPECT_TRUE(found.needed());
     EXPECT_EQ(found.fix.poses.size(), size_t(ShakenSheet::views));
     EXPECT_TRUE(found.fix.steps.empty());
@@ -92,7 +110,7 @@ TEST(Registration, HasTheSameBitsOnOneAndManyThreads) {
     ShakenSheet sheet;
     sheet.bend();
     sheet.shake();
-    EXPECT_TRUE(estimate(sheet, 1).fix == estimate(sheet).fix);
+    EXPECT_TRUE(estimate(sheet, false, 1).fix == estimate(sheet).fix);
 }
 
 }  // namespace
