@@ -187,8 +187,10 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             applyRegistration(apartFromOutlines, moved);
             shape = std::move(moved.positions);
             applyRegistration(done.registration, capture);
-            for (size_t i = 0; i < first.size(); ++i)
-                done.registration.poses[i] = composed(first[i], done.registration.poses[i]);
+            std::vector<PoseFix>& poses = done.registration.poses;
+            if (poses.empty()) poses = first;
+            else
+                for (size_t i = 0; i < first.size(); ++i) poses[i] = composed(first[i], poses[i]);
             prepared = prepare(capture, options, meter, progress);
         }
     }

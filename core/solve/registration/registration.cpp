@@ -66,7 +66,9 @@ public:
     void bringFarCameras(RegistrationEstimate& found) {
         const RegistrationFit::Unknowns given = fit_.unknowns();
         fit_.blur(sharpest);
-        const double scale = fit_.usualScale(), before = found.moved() ? found.after : found.before;
+        const double scale = fit_.usualScale();
+        fit_.setScale(scale);
+        found.farBefore = fit_.misfitOfRegions();
         RegistrationPriors priors;
         priors.shape = false;
         priors.posePixels = double(farPoses * fit_.width());
@@ -81,7 +83,7 @@ public:
         fit_.blur(sharpest);
         fit_.setScale(scale);
         found.farAfter = fit_.misfitOfRegions();
-        if (found.farAfter < worthIt * before) {
+        if (found.farAfter < worthIt * found.farBefore) {
             found.farPoses = fit_.unknowns().poses;
             found.farPixels = fit_.pixels();
         } else {
@@ -157,7 +159,7 @@ std::string toText(const RegistrationEstimate& e) {
 
 std::string farText(const RegistrationEstimate& e) {
     return fmt::format("cameras stand {:.1f} pixels from where photographs agree {:.0f} % better: moved there",
-                       e.farPixels, 100 * (1 - e.farAfter / e.before));
+                       e.farPixels, 100 * (1 - e.farAfter / e.farBefore));
 }
 
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,

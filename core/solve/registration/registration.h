@@ -12,8 +12,8 @@ struct RegistrationEstimate {
     /// Not empty: cameras are off by so much that what they see has to be found anew with these poses, and all else
     /// after that.
     std::vector<PoseFix> farPoses;
-    double farPixels = 0;  ///< root mean square of what the mesh moves by under them
-    double farAfter = 0;   ///< misfit under them
+    double farPixels = 0;                ///< root mean square of what the mesh moves by under them
+    double farBefore = 0, farAfter = 0;  ///< misfit without and with them, as `before`; 0: not tried
     RegistrationFix fix;
     double before = 0, after = 0;            ///< misfit in regions that are left out: mean loss, squared log luminance
     double pixels = 0;                       ///< root mean square of what the mesh moves by in the photographs
