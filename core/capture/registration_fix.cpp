@@ -41,10 +41,6 @@ PoseFix composed(const PoseFix& first, const PoseFix& second) {
     return {first.view, rotationVector(turnOf(first) * turnOf(second)), first.shift + turnOf(first) * second.shift};
 }
 
-PoseFix poseFixOf(const DMat4& motion) {
-    return {"", rotationVector(glm::quat_cast(glm::dmat3(motion))), DVec3(motion[3])};
-}
-
 Camera corrected(const Camera& camera, const PoseFix& fix) {
     const double angle = glm::length(fix.turn);
     if (!(angle <= 1) || !std::isfinite(glm::length(fix.shift)))

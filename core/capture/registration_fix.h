@@ -21,8 +21,6 @@ struct PoseFix {
 /// The camera turned and shifted. Throws Error where a number is not finite or the turn exceeds a radian.
 Camera corrected(const Camera& camera, const PoseFix& fix);
 
-/// Of a rotation and shift along the camera's axes. O(1).
-PoseFix poseFixOf(const DMat4& motion);
 /// What `first` and then, from there, `second` come to. O(1).
 PoseFix composed(const PoseFix& first, const PoseFix& second);
 

@@ -77,7 +77,7 @@ TEST(Pipeline, CamerasThatAreOffArePutRightOnce) {
     test::ShakenSheet sheet;
     const Capture truth = sheet.capture;
     sheet.shake();
-    const double pixels = sheet.pixelsFrom(truth);
+    const double apart = sheet.apartFrom(truth);
     Capture& capture = sheet.capture;
     PipelineOptions options;
     Progress progress;
@@ -89,7 +89,7 @@ TEST(Pipeline, CamerasThatAreOffArePutRightOnce) {
     const DMat4 given = capture.views[0].camera.worldFromCamera;
     const Corrections done = correctCapture(options, capture, prepared, meter, progress);
     ASSERT_EQ(done.registration.poses.size(), capture.views.size());
-    EXPECT_LT(sheet.pixelsFrom(truth), 0.5 * pixels);  // what is common to all cameras stays: 0.35 of it
+    EXPECT_LT(sheet.apartFrom(truth), 0.1 * apart);
     const DMat4 found = capture.views[0].camera.worldFromCamera;
     EXPECT_NE(found, given);
     // What is told already is not asked again.

@@ -76,6 +76,28 @@ struct ShakenSheet {
             }
         return std::sqrt(sum / count);
     }
+    /// Root mean square over the views of where each shows a place of the flat sheet from where they do on average,
+    /// metres: a sheet tells no motion that is common to all.
+    double apartFrom(const Capture& truth) const {
+        double sum = 0, count = 0;
+        for (int k = 0; k < 400; ++k) {
+            const DVec3 p(-0.7 + 1.4 * (k % 20) / 19, -0.7 + 1.4 * (k / 20) / 19, 0);
+            std::vector<DVec3> shown;
+            DVec3 mean(0);
+            for (size_t i = 0; i < capture.views.size(); ++i) {
+                const Camera& camera = capture.views[i].camera;
+                const auto at = truth.views[i].camera.project(p);
+                if (!at) continue;
+                const DVec3 d(camera.rayDirection(*at)), eye = camera.position();
+                shown.push_back(eye - d * (eye.z / d.z));
+                mean += shown.back();
+            }
+            for (const DVec3& s : shown)
+                sum += glm::dot(s - mean / double(shown.size()), s - mean / double(shown.size()));
+            count += double(shown.size());
+        }
+        return std::sqrt(sum / count);
+    }
     /// Root mean square height over the middle of the sheet, metres.
     double bentBy() const {
         double sum = 0, count = 0;

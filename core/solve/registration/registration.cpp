@@ -48,14 +48,12 @@ public:
         fit_.setScale(scale);
         found.before = fit_.misfitOfRegions();
         descend(blurs, priors, false);
-        if (task.afterFar) fit_.takeOutCommonMotion();  // there is room for one
         fit_.setScale(scale);
         found.after = fit_.misfitOfRegions();
         report(found);
         if (found.moved()) {
             fit_.setScale(fit_.usualScale());
             step(priors, true);
-            if (task.afterFar) fit_.takeOutCommonMotion();
             report(found);
         } else {
             fit_.set(given);
@@ -78,7 +76,6 @@ public:
             fit_.blur(sigma, widest / 3);
             fit_.setScale(fit_.usualScale());
             step(priors, false);
-            fit_.takeOutCommonMotion();
         }
         fit_.blur(sharpest);
         fit_.setScale(scale);

@@ -253,52 +253,6 @@ void RegistrationFit::set(const Unknowns& unknowns) {
     if (!images_.empty()) observeEverywhere();
 }
 
-void RegistrationFit::takeOutCommonMotion() {
-    using Motion = Eigen::Matrix<double, 6, 1>;  // turn about the middle, shift in diagonals
-    const double diagonal = double(scene_.diagonal);
-    DVec3 middle(0);
-    for (const uint32_t v : places_.vertex) middle += DVec3(scene_.mesh.positions[v]) / double(places_.vertex.size());
-    Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();
-    Motion b = Motion::Zero();
-    for (size_t place = 0; place < places_.vertex.size(); place += 7) {
-        const DVec3 point(scene_.mesh.positions[places_.vertex[place]]);
-        for (uint32_t k = places_.firstObservation[place]; k < places_.firstObservation[place + 1]; ++k) {
-            const size_t view = places_.observations[k].view;
-            const std::optional<Vec2> given = capture_.views[view].camera.project(point),
-                                      now = cameras_[view].project(point);
-            const std::optional<std::array<float, 6>> moves = pixelsByPoint(cameras_[view], point);
-            if (!given || !now || !moves) continue;
-            const glm::dmat3 toCamera = glm::transpose(glm::dmat3(cameras_[view].worldFromCamera));
-            for (size_t i = 0; i < 2; ++i) {
-                const std::array<float, 6>& m = *moves;
-                const DVec3 slope =
-                    glm::transpose(toCamera) * DVec3(m[3 * i], m[3 * i + 1], m[3 * i + 2]);  // pixels per metre
-                const DVec3 turn = glm::cross(point - middle, slope), shift = diagonal * slope;
-                Motion row;
-                row << turn.x, turn.y, turn.z, shift.x, shift.y, shift.z;
-                a += row * row.transpose();
-                b += row * double((*given)[int(i)] - (*now)[int(i)]);
-            }
-        }
-    }
-    a.diagonal().array() += 1e-9 * a.trace() + 1e-30;
-    const Motion x = a.ldlt().solve(b);
-    // The cameras go the other way.
-    const PoseFix turned{"", {-x(0), -x(1), -x(2)}, DVec3(0)};
-    Camera world;
-    world.worldFromCamera = DMat4(1);
-    DMat4 motion = corrected(world, turned).worldFromCamera;
-    const DVec3 shift = diagonal * DVec3(x(3), x(4), x(5));
-    motion[3] = glm::dvec4(middle - DVec3(motion * glm::dvec4(middle + shift, 0)), 1);
-    Unknowns unknowns = unknowns_;
-    for (size_t i = 0; i < cameras_.size(); ++i) {
-        const DMat4& given = capture_.views[i].camera.worldFromCamera;
-        unknowns.poses[i] = composed(poseFixOf(glm::inverse(given) * motion * given), unknowns_.poses[i]);
-        unknowns.poses[i].view = unknowns_.poses[i].view;
-    }
-    set(unknowns);
-}
-
 double RegistrationFit::pixels() const {
     double sum = 0, count = 0;
     for (size_t place = 0; place < places_.vertex.size(); place += 7)

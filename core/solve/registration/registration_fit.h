@@ -46,9 +46,6 @@ public:
     };
     const Unknowns& unknowns() const { return unknowns_; }
     void set(const Unknowns& unknowns);
-    /// Takes out of the poses what is one rigid motion of all that the cameras see: no difference between photographs
-    /// tells it, so it stays as it was given. O(places).
-    void takeOutCommonMotion();
 
     /// Root mean square of what the mesh moves by in the photographs, pixels.
     double pixels() const;

@@ -49,18 +49,18 @@ TEST(Registration, CamerasThatAreFarOffAreBroughtNearFirst) {
     const ShakenSheet truth;
     ShakenSheet sheet;
     sheet.shake(3);
-    const double pixels = sheet.pixelsFrom(truth.capture);
-    ASSERT_GT(pixels, 3);  // of 160
+    ASSERT_GT(sheet.pixelsFrom(truth.capture), 3);  // of 160
+    const double apart = sheet.apartFrom(truth.capture);
     const RegistrationEstimate far = estimate(sheet, true);
     ASSERT_EQ(far.farPoses.size(), size_t(ShakenSheet::views)) << toText(far);
     EXPECT_TRUE(far.fix.empty());
-    EXPECT_NEAR(far.farPixels, pixels, 0.5 * pixels);
+    EXPECT_GT(far.farPixels, 1);
     applyRegistration({far.farPoses}, sheet.capture);
-    EXPECT_LT(sheet.pixelsFrom(truth.capture), 0.5 * pixels);
+    EXPECT_LT(sheet.apartFrom(truth.capture), 0.4 * apart);
     const RegistrationEstimate found = estimate(sheet);
     EXPECT_TRUE(found.farPoses.empty());
     applyRegistration(found.fix, sheet.capture);
-    EXPECT_LT(sheet.pixelsFrom(truth.capture), 0.4 * pixels);  // 0.35 are common to all
+    EXPECT_LT(sheet.apartFrom(truth.capture), 0.1 * apart);
 }
 
 TEST(Registration, FindsAHollowThatTheMeshFills) {
