@@ -165,6 +165,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             task.emits = verticesOf(*prepared.scene, {&prepared.clusters.emitters});
             return estimateRegistration(capture, *prepared.scene, *prepared.samples, task, progress);
         };
+        std::vector<Camera> given;
+        for (const View& view : capture.views) given.push_back(view.camera);
         RegistrationEstimate found = estimate();
         if (!found.farPoses.empty()) {
             logInfo("{}", farText(found));
@@ -191,6 +193,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             if (poses.empty()) poses = first;
             else
                 for (size_t i = 0; i < first.size(); ++i) poses[i] = composed(first[i], poses[i]);
+            // To the bit what a shot that keeps the poses comes to.
+            for (size_t i = 0; i < first.size(); ++i) capture.views[i].camera = corrected(given[i], poses[i]);
             prepared = prepare(capture, options, meter, progress);
         }
     }

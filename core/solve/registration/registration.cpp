@@ -72,11 +72,9 @@ public:
         priors.posePixels = double(farPoses * fit_.width());
         fit_.set({given.poses, std::vector<double>(given.moved.size(), 0)});
         const float widest = std::max(blurs[0], widestBlur * fit_.width());
-        for (float sigma = widest; sigma > 2 * sharpest; sigma /= 2) {
-            fit_.blur(sigma, widest / 3);
-            fit_.setScale(fit_.usualScale());
-            step(priors, false);
-        }
+        std::vector<float> halves;
+        for (float sigma = widest; sigma > 2 * sharpest; sigma /= 2) halves.push_back(sigma);
+        descend(halves, priors, false, widest / 3);
         fit_.blur(sharpest);
         fit_.setScale(scale);
         found.farAfter = fit_.misfitOfRegions();
@@ -109,9 +107,10 @@ public:
     float dark() const { return fit_.dark(); }
 
 private:
-    void descend(std::span<const float> blursDown, const RegistrationPriors& priors, bool all) {
+    /// `clear`: see RegistrationFit::blur.
+    void descend(std::span<const float> blursDown, const RegistrationPriors& priors, bool all, float clear = 1e30f) {
         for (const float sigma : blursDown) {
-            fit_.blur(sigma);
+            fit_.blur(sigma, clear);
             fit_.setScale(fit_.usualScale());
             step(priors, all);
         }
