@@ -2,9 +2,12 @@
 // is told of.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <tuple>
 
 #include "solve/solve_checkpoint.h"
+#include "support/temporary_folder.h"
 
 namespace relamp {
 namespace {
@@ -188,6 +191,14 @@ TEST(SolveCheckpoint, EveryFieldComesBack) {
     compare(written, read, "checkpoint");
     EXPECT_EQ(compare.differ, std::vector<std::string>{});
     EXPECT_GT(compare.equal, 120u);
+}
+
+/// RELAMP_WRITE_SEEDS=1 writes it anew, after a field was added.
+TEST(SolveCheckpoint, TheFuzzSeedHoldsEveryField) {
+    const std::string file = std::string(RELAMP_SOURCE_DIR) + "/tests/fuzz/corpus/checkpoint/every-field";
+    const std::string bytes = checkpointBytes(filledCheckpoint());
+    if (std::getenv("RELAMP_WRITE_SEEDS")) std::ofstream(file, std::ios::binary) << bytes;
+    EXPECT_TRUE(test::TemporaryFolder::read(file) == bytes) << file << " is of another layout";
 }
 
 }  // namespace relamp
