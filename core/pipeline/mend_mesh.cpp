@@ -10,6 +10,7 @@
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "radiance/back_sides.h"
+#include "radiance/crossed_sheets.h"
 #include "radiance/cut_surfaces.h"
 #include "radiance/free_space.h"
 #include "radiance/slab_sides.h"
@@ -32,6 +33,17 @@ public:
           progress_(progress),
           file_(capture.mesh),
           proxies_(capture.proxies) {}
+
+    void partSheets() {
+        const CrossedSheets found = crossedSheets(*prepared_.scene, capture_, *prepared_.samples, verticesOfLights());
+        if (found.moved.empty()) return;
+        mend_.moved.insert(mend_.moved.end(), found.moved.begin(), found.moved.end());
+        apply({});
+        say(
+            fmt::format("two sides of thin sheets had passed through one another ({} vertices, by up to {:.1f} mm): "
+                        "apart again",
+                        found.crossed, 1000 * found.deepest));
+    }
 
     /// Whether there were any.
     bool takeSkirtsOff() {
@@ -417,6 +429,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
                   StageMeter& meter, Progress& progress) {
     const bool moved = !shape.empty();
     MeshMender mender(options, capture, prepared, meter, progress);
+    mender.partSheets();
     const bool skirts = mender.takeSkirtsOff();
     if (skirts || moved) mender.completeSurfaces();
     if (skirts || moved) mender.sharpenCreases(shape);

@@ -171,9 +171,9 @@ void boundAlbedo(const SolveRun& s, const Irradiance& irradiance, const Rgb& sca
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma) {
     // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of
     // itself. Metal shows the background beside the rest.
-    if (luminance(light.fromBackground) <= 0.5f || s.gloss.joined) return sigma;
-    const double seen = seenLight(s).fraction;
-    return glm::sqrt(sigma * sigma + float(modelError * modelError / std::max(seen * seen, 1e-6)));
+    if (luminance(light.fromBackground + light.fromBounces) <= 0.5f || s.gloss.joined) return sigma;
+    const double seen = seenLight(s).fraction, bounced = s.bounce.fraction;
+    return glm::sqrt(sigma * sigma + float(modelError * modelError / std::max(seen * seen + bounced * bounced, 1e-6)));
 }
 
 bool glossAlone(const LightUncertainty& light, bool backdrop) {
