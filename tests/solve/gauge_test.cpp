@@ -19,5 +19,12 @@ TEST(Gauge, HighlightsBeforeABackdropTellNoScale) {
     EXPECT_FALSE(glossAlone(light, true)) << "a probe holds the light";
 }
 
+TEST(Gauge, LittleLightTellsLittleOfTheScale) {
+    EXPECT_NEAR(scaleSigmaByModel(0.3, 0.4), 0.04f, 1e-6f);
+    EXPECT_NEAR(scaleSigmaByModel(0, 0.2), 0.1f, 1e-6f);
+    EXPECT_GT(scaleSigmaByModel(0, 0.05), 0.35f) << "no better than what is assumed where nothing tells";
+    EXPECT_TRUE(std::isfinite(scaleSigmaByModel(0, 0)));
+}
+
 }  // namespace
 }  // namespace relamp

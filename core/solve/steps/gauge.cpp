@@ -168,12 +168,15 @@ void boundAlbedo(const SolveRun& s, const Irradiance& irradiance, const Rgb& sca
 
 }  // namespace
 
+float scaleSigmaByModel(double seen, double bounced) {
+    return float(modelError / std::max(std::hypot(seen, bounced), 1e-3));
+}
+
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma) {
-    // What gives a hundredth of the light cannot tell its scale better than the model is right to a hundredth of
-    // itself. Metal shows the background beside the rest.
+    // Metal shows the background beside the rest.
     if (luminance(light.fromBackground + light.fromBounces) <= 0.5f || s.gloss.joined) return sigma;
-    const double seen = seenLight(s).fraction, bounced = s.bounce.fraction;
-    return glm::sqrt(sigma * sigma + float(modelError * modelError / std::max(seen * seen + bounced * bounced, 1e-6)));
+    const float best = scaleSigmaByModel(seenLight(s).fraction, s.bounce.fraction);
+    return glm::sqrt(sigma * sigma + best * best);
 }
 
 bool glossAlone(const LightUncertainty& light, bool backdrop) {

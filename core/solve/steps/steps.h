@@ -148,6 +148,9 @@ LightUncertainty uncertaintyOf(const SolveRun& s, const Irradiance& irradiance, 
 /// How sure the light, the albedo and the environment image are.
 void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const LightUncertainty& light,
                        Estimate& estimate);
+/// Relative deviation of the scale of light at best: what gives a hundredth of the light cannot tell it better than the
+/// model is right to a hundredth of itself. Fractions of the light: background that is `seen`, and `bounced`.
+float scaleSigmaByModel(double seen, double bounced);
 /// A deviation of the scale with what the model of light is off by, where little of it is seen (docs/method.md 6.5).
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma);
 /// Whether highlights alone would tell the scale, before a backdrop: they are as strong as their lobes' weights say,
