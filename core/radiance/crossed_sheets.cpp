@@ -22,17 +22,17 @@ std::vector<uint8_t> seenFromBehind(const Scene& scene, const Capture& capture, 
     const Mesh& mesh = scene.mesh;
     std::vector<std::vector<uint8_t>> ofView(capture.views.size());
     parallelFor(capture.views.size(), 1, [&](size_t i) {
-        const Camera& camera = capture.views[i].camera;
-        const ViewGeometry& g = samples.geometry[i];
+        const Vec3 eye(capture.views[i].camera.position());
         ofView[i].assign(mesh.vertexCount(), 0);
-        for (int y = 0; y < g.height; ++y)
-            for (int x = 0; x < g.width; ++x) {
-                const uint32_t t = g.triangle[size_t(y) * size_t(g.width) + size_t(x)];
-                if (t == Hit::none) continue;
-                const Vec3 ray = camera.rayDirection(Vec2(float(x) + 0.5f, float(y) + 0.5f));
-                if (!(glm::dot(mesh.faceNormal(t), ray) > backCosine)) continue;
+        // Pixels are many: triangles are asked which way they face.
+        std::vector<uint8_t> back(mesh.triangles.size());
+        for (uint32_t t = 0; t < back.size(); ++t) {
+            const Vec3 way = mesh.positions[mesh.triangles[t][0]] - eye;
+            back[t] = glm::dot(mesh.faceNormal(t), way) > backCosine * glm::length(way);
+        }
+        for (const uint32_t t : samples.geometry[i].triangle)
+            if (t != Hit::none && back[t])
                 for (const uint32_t v : mesh.triangles[t]) ofView[i][v] = 1;
-            }
     });
     std::vector<uint8_t> seen(mesh.vertexCount(), 0);
     for (const std::vector<uint8_t>& one : ofView)

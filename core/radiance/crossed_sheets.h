@@ -14,7 +14,7 @@ struct CrossedSheets {
 /// Vertices that face another surface within 3 % of the diagonal, of regions of which a photograph would see backs.
 /// Each half moves along its normal until the sheet is 0.1 % of the diagonal thick. `leftOut`, per vertex: stay as they
 /// are. Components most of whose vertices face another so are inside out, not crossed, and stay too. None where fewer
-/// than 20 are found. O(pixels + vertices x rays).
+/// than 20 are found. O(pixels + views x triangles), and two rays a vertex and round where backs are seen.
 CrossedSheets crossedSheets(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                             const std::vector<uint8_t>& leftOut);
 
