@@ -137,8 +137,7 @@ CrossedSheets crossedSheets(const Scene& scene, const Capture& capture, const Ra
         if (part[v]) depths.push_back(sides[v].gap);
     found.crossed = depths.size();
     if (found.crossed < leastCrossed) return found;
-    std::sort(depths.begin(), depths.end());
-    found.deepest = depths[size_t(0.95 * double(depths.size() - 1))];
+    found.deepest = selectQuantile(depths, 0.95);
     const float parted = partedThickness * scene.diagonal;
     for (int round = 0; round < rounds; ++round) {
         if (round > 0) {
