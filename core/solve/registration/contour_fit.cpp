@@ -46,6 +46,10 @@ public:
 
     void leaveOutViews(bool leaveOut) { viewsLeftOut_ = leaveOut; }
     size_t points() const { return points_.size(); }
+    size_t pointsWithin(float pixels) const {
+        return size_t(std::count_if(points_.begin(), points_.end(),
+                                    [&](const ContourPoint& p) { return std::abs(p.offset) <= pixels; }));
+    }
     double medianOff(bool ofLeftOutViews) const {
         std::vector<float> off;
         for (const ContourPoint& p : points_)
@@ -190,6 +194,12 @@ ContourEstimate alignContours(const Capture& capture, const Scene& scene, const 
     fit.run();
     found.fix = fit.fix(start);
     return found;
+}
+
+size_t outlinesInPlace(const Capture& capture, const Scene& scene, const RegistrationFix& fix, float floor,
+                       Progress& progress) {
+    constexpr float inPlace = 1;  // pixels
+    return ContourFit(capture, scene, fix, 0, {}, floor, progress).pointsWithin(inPlace);
 }
 
 }  // namespace relamp

@@ -33,4 +33,10 @@ std::string toText(const ContourEstimate& estimate);
 ContourEstimate alignContours(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
                               const std::vector<uint8_t>& emits, float floor, Progress& progress);
 
+/// Outlines of the mesh after `fix` that photographs show within a pixel. Errors that photographs share, such as
+/// reflections that move with the eye, may let poses or shapes agree that are wrong; outlines are not among them.
+/// `floor`: radiance that counts as dark. 0.5 to 2 s. Throws Cancelled.
+size_t outlinesInPlace(const Capture& capture, const Scene& scene, const RegistrationFix& fix, float floor,
+                       Progress& progress);
+
 }  // namespace relamp

@@ -32,8 +32,9 @@ RegistrationPriors widePriors() {
 
 class Registration {
 public:
-    Registration(const Capture& capture, const Scene& scene, const RadianceSamples& samples, Progress& progress)
-        : fit_(capture, scene, samples), diagonal_(double(scene.diagonal)), progress_(progress) {}
+    Registration(const Capture& capture, const Scene& scene, const RadianceSamples& samples, size_t vertices,
+                 Progress& progress)
+        : fit_(capture, scene, samples), capture_(capture), scene_(scene), vertices_(vertices), progress_(progress) {}
 
     bool enough() const { return fit_.enough(); }
 
@@ -63,6 +64,7 @@ public:
     /// Poses alone, from photographs that are hardly more than patches of light and dark.
     void bringFarCameras(RegistrationEstimate& found) {
         const RegistrationFit::Unknowns given = fit_.unknowns();
+        const RegistrationFix before = fix();
         fit_.blur(sharpest);
         const double scale = fit_.usualScale();
         fit_.setScale(scale);
@@ -78,7 +80,7 @@ public:
         fit_.blur(sharpest);
         fit_.setScale(scale);
         found.farAfter = fit_.misfitOfRegions();
-        if (found.farAfter < worthIt * found.farBefore) {
+        if (found.farAfter < worthIt * found.farBefore && keepsOutlines(before)) {
             found.farPoses = fit_.unknowns().poses;
             found.farPixels = fit_.pixels();
         } else {
@@ -89,6 +91,7 @@ public:
     /// Shape at large, for visual hulls and the like: kept where views that are left out agree better with it.
     void reshape(RegistrationEstimate& found) {
         const RegistrationFit::Unknowns given = fit_.unknowns();
+        const RegistrationFix before = fix();
         fit_.leaveOutViews(true);
         const double scale = fit_.usualScale();
         fit_.setScale(scale);
@@ -97,13 +100,14 @@ public:
         fit_.setScale(scale);
         found.viewsAfter = fit_.misfitOfViews();
         fit_.leaveOutViews(false);
+        if (found.reshaped() && !keepsOutlines(before)) found.viewsAfter = found.viewsBefore;
         if (!found.reshaped()) return fit_.set(given);
         fit_.setScale(fit_.usualScale());
         step(widePriors(), true);
         report(found);
     }
 
-    RegistrationFix fix(size_t vertices) const { return fit_.fix(vertices); }
+    RegistrationFix fix() const { return fit_.fix(vertices_); }
     float dark() const { return fit_.dark(); }
 
 private:
@@ -129,11 +133,19 @@ private:
     }
     void report(RegistrationEstimate& found) const {
         found.pixels = fit_.pixels();
-        found.displacement = fit_.displacement() / diagonal_;
+        found.displacement = fit_.displacement() / double(scene_.diagonal);
+    }
+    /// Whether outlines lie in place as often as with `before`. Reflections move with the eye: cameras and shapes that
+    /// let them agree are wrong, and outlines tell.
+    bool keepsOutlines(const RegistrationFix& before) const {
+        const size_t had = outlinesInPlace(capture_, scene_, before, fit_.dark(), progress_);
+        return had < leastPoints || outlinesInPlace(capture_, scene_, fix(), fit_.dark(), progress_) >= had;
     }
 
     RegistrationFit fit_;
-    double diagonal_;
+    const Capture& capture_;
+    const Scene& scene_;
+    size_t vertices_;
     Progress& progress_;
 };
 
@@ -161,7 +173,7 @@ std::string farText(const RegistrationEstimate& e) {
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                           const RegistrationTask& task, Progress& progress) {
     RegistrationEstimate found;
-    Registration registration(capture, scene, samples, progress);
+    Registration registration(capture, scene, samples, task.vertices, progress);
     if (!registration.enough()) return found;
     progress.begin("Bringing cameras and mesh together", (std::size(blurs) + 1) * mostSteps);
     registration.refine(task, found);
@@ -175,7 +187,7 @@ RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& s
         progress.begin("Shape from the photographs", (std::size(wideBlurs) + 1) * mostSteps);
         registration.reshape(found);
     }
-    if (found.needed()) found.fix = registration.fix(task.vertices);
+    if (found.needed()) found.fix = registration.fix();
     if (task.shape && !progress.outOfTime()) {
         found.contours =
             alignContours(capture, scene, found.fix, task.vertices, task.emits, registration.dark(), progress);

@@ -173,8 +173,9 @@ float scaleSigmaByModel(double seen, double bounced) {
 }
 
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma) {
+    const float bounces = luminance(light.fromBounces);
     // Metal shows the background beside the rest.
-    if (luminance(light.fromBackground + light.fromBounces) <= 0.5f || s.gloss.joined) return sigma;
+    if (luminance(light.fromBackground) + bounces <= 0.5f || (s.gloss.joined && bounces <= 0.5f)) return sigma;
     const float best = scaleSigmaByModel(seenLight(s).fraction, s.bounce.fraction);
     return glm::sqrt(sigma * sigma + best * best);
 }

@@ -55,7 +55,10 @@ AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
     const bool same = earlier.all.size() == report.information.all.size();
     s.light.information = same && report.iterations == 0 ? std::move(earlier) : std::move(report.information);
     s.light.unfinished = report.endedEarly;
-    if (!s.bounce.joined() && s.light.refuteBackground(s.in, s.emitters, s.observed.matte)) {
+    // While light is coarse, the bright part of a sky that nobody sees takes on the brightness of what is seen beside
+    // it.
+    if (!s.bounce.joined() && request.end != FitEnd::coarse &&
+        s.light.refuteBackground(s.in, s.emitters, s.observed.matte)) {
         RatioFitRequest again = request;
         again.iterations = std::max(request.iterations, 4);
         return fitLight(s, again);

@@ -117,6 +117,19 @@ TEST(Contours, KeepWhatTheyStartFrom) {
     EXPECT_TRUE(found.fix.poses == start.poses);
 }
 
+TEST(Contours, AreOutOfPlaceUnderCamerasThatAreFarOff) {
+    const PhotographedBall ball(1);
+    RegistrationFix off;
+    for (const View& view : ball.capture.views) off.poses.push_back({view.name, DVec3(0, 0.012, 0), DVec3(0)});
+    Progress progress;
+    const size_t there = outlinesInPlace(ball.capture, ball.scene, {}, 1e-3f, progress);
+    EXPECT_GT(there, 800u);
+    // By 3.6 pixels sideways: only what lies above and below stays, near the poles with most edges.
+    const size_t left = outlinesInPlace(ball.capture, ball.scene, off, 1e-3f, progress);
+    EXPECT_LT(left, there / 2);
+    EXPECT_GT(left, there / 12);
+}
+
 TEST(Contours, LeaveEmittersAlone) {
     const PhotographedBall ball(0.99f);
     Progress progress;
