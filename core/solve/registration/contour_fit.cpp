@@ -179,8 +179,9 @@ std::string toText(const ContourEstimate& e) {
 }
 
 ContourEstimate alignContours(const Capture& capture, const Scene& scene, const RegistrationFix& start, size_t vertices,
-                              const std::vector<uint8_t>& emits, float floor, Progress& progress) {
+                              const std::vector<uint8_t>& emits, float floor, Progress& progress, double most) {
     ContourEstimate found;
+    found.most = most;
     ContourFit fit(capture, scene, start, vertices, emits, floor, progress);
     found.points = fit.points();
     fit.leaveOutViews(true);

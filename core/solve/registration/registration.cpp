@@ -189,8 +189,8 @@ RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& s
     }
     if (found.needed()) found.fix = registration.fix();
     if (task.shape && !progress.outOfTime()) {
-        found.contours =
-            alignContours(capture, scene, found.fix, task.vertices, task.emits, registration.dark(), progress);
+        found.contours = alignContours(capture, scene, found.fix, task.vertices, task.emits, registration.dark(),
+                                       progress, found.needed() ? outlinesBesides : outlinesAlone);
         if (found.contours.needed()) found.fix = std::move(found.contours.fix);
     }
     return found;
