@@ -57,12 +57,19 @@ int millisecondsOf(const std::vector<std::string>& arguments) {
     return int(std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start).count());
 }
 
-/// A capture, and a shot of it.
+/// A capture, and a shot of it: made once, each test has copies.
 class KilledPrograms : public testing::Test {
 protected:
+    static void SetUpTestSuite() {
+        made = new TemporaryFolder;
+        test::paintSmallWorld(*made / "room");
+        solveTime = millisecondsOf(
+            {RELAMP_BINARY, "solve", *made / "room", "-o", *made / "room.relamp", "--quality", "draft", "--seed", "1"});
+    }
+    static void TearDownTestSuite() { delete made; }
     void SetUp() override {
-        test::paintKnownWorld(folder / "room", true, 6, 10);
-        solveTime = millisecondsOf(solve(1));
+        for (const char* name : {"room", "room.relamp"})
+            fs::copy(*made / name, folder / name, fs::copy_options::recursive);
     }
     std::vector<std::string> solve(int number) const {
         return {RELAMP_BINARY, "solve", folder / "room", "-o",     shot(),
@@ -83,8 +90,9 @@ protected:
                 names.push_back(name);
         return names;
     }
+    static inline TemporaryFolder* made = nullptr;
+    static inline int solveTime = 0;
     TemporaryFolder folder;
-    int solveTime = 0;
 };
 
 TEST_F(KilledPrograms, aSolveLeavesTheOldShotOrTheNewOne) {
@@ -223,7 +231,7 @@ TEST_F(KilledPrograms, noEditOlderThanThirtySecondsIsLost) {
 TEST(KilledWindow, DISABLED_comesBackWithEverythingOlderThanThirtySeconds) {
     std::mt19937 random(seed() + 4);
     const TemporaryFolder folder;
-    test::paintKnownWorld(folder / "room", true, 6, 10);
+    test::paintSmallWorld(folder / "room");
     test::Desktop desk(1024, 640);
     const std::vector<std::string> size{"--width", "1024", "--height", "640"};
     const auto with = [&](std::vector<std::string> more) {

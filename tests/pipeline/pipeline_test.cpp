@@ -18,7 +18,7 @@ struct Painted {
     Progress progress;
     StageMeter meter{progress};
     Painted() {
-        test::paintKnownWorld(folder / "room", true, 6, 10);
+        test::paintSmallWorld(folder / "room");
         capture = loadCapture(folder / "room", {}, progress);
         options.solve = solveOptionsFor("draft");
     }

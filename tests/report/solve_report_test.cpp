@@ -60,7 +60,7 @@ TEST(SolveReport, QuotesWhatACommaWouldSplit) {
 
 TEST(SolveReport, IsWrittenForAShotWithDistantOnlyBesideIt) {
     const test::TemporaryFolder folder;
-    test::paintKnownWorld(folder / "capture", true, 6, 12);
+    test::paintSmallWorld(folder / "capture");
     ASSERT_EQ(test::runProgram({RELAMP_BINARY, "solve", folder / "capture", "-o", folder / "x.relamp", "--quality",
                                 "draft", "--quiet"})
                   .exitCode,

@@ -78,11 +78,10 @@ std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const
     return bounced;
 }
 
-}  // namespace
-
-KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room,
-                           bool metalBall, const std::vector<float>& levels,
-                           const std::vector<KnownWorld::Sky>& skies) {
+KnownWorld paint(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room, bool metalBall,
+                 const std::vector<float>& levels, const std::vector<KnownWorld::Sky>& skies, int width) {
+    const int height = width * 3 / 4;
+    const double focal = width * 95.0 / 96;
     KnownWorld world;
     world.views = views;
     world.mesh = sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, floorCuts, floorCuts);
@@ -108,7 +107,7 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
     std::filesystem::create_directories(folder / "images");
     writeVertexPly(folder / "mesh.ply", world.mesh, {});
     nlohmann::json file{
-        {"w", 96}, {"h", 72}, {"fl_x", 95}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
+        {"w", width}, {"h", height}, {"fl_x", focal}, {"mesh_path", "mesh.ply"}, {"frames", nlohmann::json::array()}};
     for (int k = 0; k < views * int(levels.size()); ++k) {
         const int i = k % views;
         const size_t state = size_t(k / views);
@@ -117,11 +116,11 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
         // High ones look down, low ones see the underside of the emitter and the sky.
         const double a = room ? -1.5 + 1.5 * i / (views - 1) : 2 * piD * i / views + 0.3;  // before the open sides
         const bool low = i % 2;
-        const Camera camera =
-            cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9}, {0.05, 0, low ? 0.6 : 0.15}, 96, 72, 95);
-        Image image(96, 72);
-        parallelFor(size_t(96 * 72), 96, [&](size_t p) {
-            const Vec3 d = camera.rayDirection(Vec2(p % 96 + 0.5f, p / 96 + 0.5f));
+        const Camera camera = cameraAt({2.3 * std::cos(a), 2.3 * std::sin(a), low ? 0.45 : 1.9},
+                                       {0.05, 0, low ? 0.6 : 0.15}, width, height, focal);
+        Image image(width, height);
+        parallelFor(image.pixels.size(), size_t(width), [&](size_t p) {
+            const Vec3 d = camera.rayDirection(Vec2(p % size_t(width) + 0.5f, p / size_t(width) + 0.5f));
             const Hit hit = scene.tracer->closest({Vec3(camera.position()), d, 0, 1e30f});
             if (!hit) {
                 image.pixels[p] = KnownWorld::skyAt(sky, d);
@@ -165,6 +164,18 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, in
     }
     std::ofstream(folder / "transforms.json") << file.dump(1);
     return world;
+}
+
+}  // namespace
+
+KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room,
+                           bool metalBall, const std::vector<float>& levels,
+                           const std::vector<KnownWorld::Sky>& skies) {
+    return paint(folder, emitter, views, floorCuts, room, metalBall, levels, skies, 96);
+}
+
+KnownWorld paintSmallWorld(const std::filesystem::path& folder, int views, int floorCuts, bool emitter) {
+    return paint(folder, emitter, views, floorCuts, false, false, {1}, {}, 64);
 }
 
 }  // namespace relamp::test

@@ -56,4 +56,8 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = t
                            bool room = false, bool metalBall = false, const std::vector<float>& levels = {1},
                            const std::vector<KnownWorld::Sky>& skies = {});
 
+/// The same in photographs of under half of the pixels (64 x 48), for tests of what is done with an estimate: most of
+/// the time of a small solve goes by the pixel.
+KnownWorld paintSmallWorld(const std::filesystem::path& folder, int views = 6, int floorCuts = 10, bool emitter = true);
+
 }  // namespace relamp::test

@@ -88,8 +88,7 @@ TEST(Editor, anUnsavedEditSurvivesAKilledProcess) {
 
 TEST(Editor, badThingsEndInANoticeAndLeaveTheDocumentAlone) {
     Session s;
-    s.open(captureFolder());
-    s.solve();
+    s.openEstimated();
     const auto refused = [&](const std::filesystem::path& path) {
         s.editor->openNow(path);
         s.until([&] { return !s.editor->job(); });
@@ -250,7 +249,7 @@ TEST(Editor, editsAfterAnUndoneEstimateComeBackWithTheEstimateTheyWereMadeOn) {
 
 TEST(Editor, photographsThatGoAwayTakeNothingWithThem) {
     Session s;
-    test::paintKnownWorld(s.folder / "room", true, 6, 10);
+    test::paintSmallWorld(s.folder / "room");
     s.open(s.folder / "room");
     std::filesystem::rename(s.folder / "room/images", s.folder / "unplugged");
     // What is open needs them no more.

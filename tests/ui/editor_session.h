@@ -21,7 +21,7 @@ using test::TemporaryFolder;
 inline const std::filesystem::path& captureFolder() {
     static const TemporaryFolder folder;
     static const bool painted = [] {
-        relamp::test::paintKnownWorld(folder / "room", true, 6, 10);
+        relamp::test::paintSmallWorld(folder / "room");
         return true;
     }();
     static const std::filesystem::path path = folder / "room";

@@ -163,7 +163,7 @@ void expectGroups(const std::string& shot, const test::TemporaryFolder& folder) 
 
 TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
     const test::TemporaryFolder folder;
-    test::paintKnownWorld(folder / "capture", true, 6, 14);
+    test::paintSmallWorld(folder / "capture", 6, 14);
     const std::string capture = folder / "capture", shot = folder / "x.relamp";
 
     const test::ProgramResult check = relamp({"check", capture, "--json"});
@@ -380,7 +380,7 @@ TEST(CommandLine, SolvesRendersAndTellsWhatIsInAShot) {
 /// The same world as a COLMAP model in folders of other names, turned so that nothing is up by itself.
 TEST(CommandLine, AColmapCaptureIsSolvedAndItsShotOpensByItself) {
     const test::TemporaryFolder folder;
-    test::paintKnownWorld(folder / "room", true, 5, 8);
+    test::paintSmallWorld(folder / "room", 6, 8);
     test::makeColmap(folder / "room", "recon");
     fs::rename(folder / "room/mesh.ply", folder / "room/scan.ply");
     const std::string capture = folder / "room", shot = folder / "x.relamp";

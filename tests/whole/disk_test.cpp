@@ -16,12 +16,19 @@ namespace fs = std::filesystem;
 using test::ProgramResult;
 using test::TemporaryFolder;
 
+/// A capture and its shot, made once; each test has copies.
 class Disk : public testing::Test {
 protected:
+    static void SetUpTestSuite() {
+        made = new TemporaryFolder;
+        test::paintSmallWorld(*made / "room");
+        firstSolve = relamp({"solve", *made / "room", "-o", *made / "room.relamp", "--quality", "draft"});
+    }
+    static void TearDownTestSuite() { delete made; }
     void SetUp() override {
-        test::paintKnownWorld(folder / "room", true, 6, 10);
-        const ProgramResult solved = relamp({"solve", folder / "room", "-o", shot(), "--quality", "draft"});
-        ASSERT_EQ(solved.exitCode, 0) << solved.error;
+        ASSERT_EQ(firstSolve.exitCode, 0) << firstSolve.error;
+        for (const char* name : {"room", "room.relamp"})
+            fs::copy(*made / name, folder / name, fs::copy_options::recursive);
         before = TemporaryFolder::read(folder / "room.relamp/shot.json");
     }
     std::string shot() const { return folder / "room.relamp"; }
@@ -46,6 +53,8 @@ protected:
         Progress progress;
         EXPECT_NO_THROW(openShot(shot(), true, progress));
     }
+    static inline TemporaryFolder* made = nullptr;
+    static inline ProgramResult firstSolve;
     TemporaryFolder folder;
     std::string before;
 };
@@ -136,7 +145,7 @@ TEST_F(Disk, photographsThatGoAwayAreNamed) {
           std::vector<std::string>{"render", shot(), "-o", folder / "f.##.exr", "--camera", "all", "--ratio",
                                    "--samples", "1"}}) {
         int failed = 0, done = 0;
-        for (int delay = 0; delay < 600'000 && !done; delay = delay * 2 + 4) {
+        for (int delay = 0; delay < 600'000 && !done; delay = delay * 3 + 4) {
             std::thread pulls([&] {
                 std::this_thread::sleep_for(std::chrono::milliseconds(delay));
                 fs::rename(folder / "room/images", folder / "room/gone");

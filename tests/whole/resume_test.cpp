@@ -21,7 +21,7 @@ struct KilledSolve {
     std::string capture = folder / "capture", whole = folder / "whole.relamp", shot = folder / "not/yet/x.relamp";
     fs::path checkpoint = checkpointFile(shot);
 
-    KilledSolve() { test::paintKnownWorld(folder / "capture", true, 6, 14); }
+    KilledSolve() { test::paintSmallWorld(folder / "capture", 6, 14); }
     std::vector<std::string> command(const std::string& output, bool resume = false) const {
         std::vector<std::string> c{"solve", capture, "-o", output, "--quality", "draft"};
         if (resume) c.push_back("--resume");
@@ -84,7 +84,7 @@ TEST(Killed, ADamagedOrForeignCheckpointIsRefusedAndTheSolveStartsAnew) {
 
 TEST(PlanCommand, SaysWhatIsKeptAndLeftOut) {
     const TemporaryFolder folder;
-    test::paintKnownWorld(folder / "capture", false, 5, 10);
+    test::paintSmallWorld(folder / "capture", 5, 10, false);
     const test::ProgramResult words = relamp({"plan", folder / "capture", "--quality", "draft"}),
                               data = relamp({"plan", folder / "capture", "--quality", "draft", "--json"});
     ASSERT_EQ(words.exitCode, 0) << words.error;

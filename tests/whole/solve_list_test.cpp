@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 class SolveList : public testing::Test {
 protected:
     void SetUp() override {
-        test::paintKnownWorld(folder / "room", true, 6, 10);
+        test::paintSmallWorld(folder / "room");
         list = folder.write("list.txt", "# the day's captures\nroom\n\n  gone \t third\nroom\tsecond\n");
     }
     test::ProgramResult solve(std::vector<std::string> more) const {

@@ -27,9 +27,7 @@ using relamp::test::TemporaryFolder;
 struct PaintedRoom {
     TemporaryFolder folder;
     std::filesystem::path capture, shot;
-    PaintedRoom() : capture(folder / "room"), shot(folder / "room.relamp") {
-        relamp::test::paintKnownWorld(capture, true, 6, 10);
-    }
+    PaintedRoom() : capture(folder / "room"), shot(folder / "room.relamp") { relamp::test::paintSmallWorld(capture); }
     static PaintedRoom& get() {
         static PaintedRoom room;
         return room;

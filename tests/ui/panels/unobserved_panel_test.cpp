@@ -7,7 +7,7 @@ namespace {
 
 TEST(UnobservedPanel, AFoundLightIsOneEntryAndTakingItAwayGivesTheEstimateBeforeItBack) {
     const TemporaryFolder folder;
-    relamp::test::KnownWorld world = relamp::test::paintKnownWorld(folder / "dark", true, 8, 16);
+    relamp::test::KnownWorld world = relamp::test::paintSmallWorld(folder / "dark", 8, 16);
     relamp::test::hideEmitter(folder / "dark", world);
     Panels p;
     Editor& editor = *p.editor;
