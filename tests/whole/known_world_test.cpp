@@ -22,6 +22,7 @@ struct World {
         PipelineOptions options;
         options.solve = solveOptionsFor("draft");
         options.solve.nearField = nearField;
+        options.reproduce = false;
         Progress progress;
         progress.setBudget(budget);
         return runPipeline(folder.path(), options, progress);
@@ -113,6 +114,8 @@ TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
         PipelineOptions options;
         options.solve = solveOptionsFor("draft");
         options.solve.bounce = bounce;
+        options.reproduce = false;
+        options.texture = 0;
         Progress progress;
         return runPipeline(folder.path(), options, progress);
     };
@@ -212,7 +215,8 @@ TEST(KnownWorld, HasTheSameBitsOnOneAndManyThreads) {
 }
 
 TEST(KnownWorld, StopsInEachStageWhenAsked) {
-    const World world;
+    const test::TemporaryFolder world;
+    test::paintSmallWorld(world.path());
     PipelineOptions options;
     options.solve = solveOptionsFor("draft");
     // Every stage that a whole run announces.
@@ -222,7 +226,7 @@ TEST(KnownWorld, StopsInEachStageWhenAsked) {
         progress.setListener([&](const std::string& label, double) {
             if (std::find(stages.begin(), stages.end(), label) == stages.end()) stages.push_back(label);
         });
-        runPipeline(world.folder.path(), options, progress);
+        runPipeline(world.path(), options, progress);
     }
     ASSERT_GT(stages.size(), 6u);
     for (const std::string& stage : stages) {
@@ -235,7 +239,7 @@ TEST(KnownWorld, StopsInEachStageWhenAsked) {
         });
         bool cancelled = false;
         try {
-            runPipeline(world.folder.path(), options, progress);
+            runPipeline(world.path(), options, progress);
         } catch (const Cancelled&) { cancelled = true; }
         EXPECT_TRUE(cancelled) << stage;
         EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count(),

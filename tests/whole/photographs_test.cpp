@@ -46,8 +46,9 @@ TEST(Photographs, WithShuffledCamerasMissTheQualityGate) {
     for (size_t i = 0; i < frames.size(); ++i)
         capture["frames"][i]["file_path"] = frames[(i + 3) % frames.size()]["file_path"];
     std::ofstream(folder / "shuffled/transforms.json") << capture.dump();
-    const test::ProgramResult r = test::runProgram(
-        {RELAMP_BINARY, "solve", folder / "shuffled", "-o", folder / "s.relamp", "--quality", "draft"});
+    const test::ProgramResult r =
+        test::runProgram({RELAMP_BINARY, "solve", folder / "shuffled", "-o", folder / "s.relamp", "--quality", "draft",
+                          "--mesh-triangles", "3000", "--texture", "off"});
     EXPECT_EQ(r.exitCode, 4) << r.error;
     EXPECT_NE(r.error.find("quality gate missed"), std::string::npos) << r.error;
     EXPECT_NE(r.error.find("poses"), std::string::npos) << r.error;
