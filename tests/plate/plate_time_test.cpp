@@ -33,19 +33,24 @@ Look poweredBy(const Rgb& scale) {
     return look;
 }
 
-/// Root mean square of the relit third frame against many samples, with one sample a pixel.
+/// The third frame of many samples.
+Frame thirdOf(const PlateWorld& world, const Look& look) {
+    FrameOptions many;
+    many.samplesPerPixel = 64;
+    Progress progress;
+    return renderFrame(world.relit(look), world.cameras[2], many, progress);
+}
+
+/// Root mean square of the relit third frame against many samples, with one sample a pixel. `old` and `next`: it
+/// before and after the edit.
 double noiseOf(const PlateWorld& world, const TemporaryFolder& folder, PlateRequest request, const Look& look,
-               int neighbours) {
+               int neighbours, const Frame& old, const Frame& next) {
     request.neighbours = neighbours;
     Relighting run(world, request, look);
     run.options.denoise = false;
     run.options.samplesPerPixel = 1;
     PlateRelighter relighter(run.plate, request, run.looks, run.options, run.progress);
     const Image relit = relighter.relit(2, run.progress).image;
-    FrameOptions many;
-    many.samplesPerPixel = 64;
-    const Frame old = renderFrame(world.relit({}), world.cameras[2], many, run.progress),
-                next = renderFrame(world.relit(run.looks.lookAt(1003)), world.cameras[2], many, run.progress);
     float saturation = 0;
     const Image plate = readPlate(folder / "plate.1003.exr", PlateCurve::automatic, saturation);
     std::vector<double> off;
@@ -60,9 +65,11 @@ TEST(PlateTime, AKeyedLightIsSteadiedAsAStillOneIs) {
     const TemporaryFolder folder;
     PlateRequest request = world.writePlate(folder);
     request.match = PlateMatching::off;
+    const Frame old = thirdOf(world, {});
     for (const Look& look : {keyed(movedBy(0.3f), movedBy(0.34f)), keyed(poweredBy(Rgb(0.2f)), poweredBy(Rgb(0.6f)))}) {
-        const double alone = noiseOf(world, folder, request, look, 0),
-                     among = noiseOf(world, folder, request, look, PlateRequest{}.neighbours);
+        const Frame next = thirdOf(world, Relighting(world, request, look).looks.lookAt(1003));
+        const double alone = noiseOf(world, folder, request, look, 0, old, next),
+                     among = noiseOf(world, folder, request, look, PlateRequest{}.neighbours, old, next);
         EXPECT_GT(alone, 0.005);
         EXPECT_LT(among, 0.68 * alone);
     }
@@ -76,7 +83,7 @@ TEST(PlateTime, KeyedLightHasTheSameBitsWhicheverFramesCameBefore) {
     Look held = keyed({}, movedBy(0.2f));
     held.keys[0].ease = KeyEase::hold;  // nothing is edited before the last frame
     for (const Look& look : {keyed(movedBy(0.1f), movedBy(0.3f)), keyed({}, poweredBy(Rgb(0.3f))), held}) {
-        Relighting all(world, request, look), one(world, request, look);
+        Relighting all(world, request, look, 4), one(world, request, look, 4);
         for (const size_t frame : {0, 1, 2, 3}) all.relighter.relit(frame, all.progress);
         EXPECT_EQ(all.relighter.relit(4, all.progress).image.pixels, one.relighter.relit(4, one.progress).image.pixels);
     }
@@ -91,13 +98,13 @@ TEST(PlateTime, EachOfManyFramesHasAGainOfItsOwn) {
     PlateRequest request = world.writePlate(folder, gains, 2);
     for (const PlateMatching kind : {PlateMatching::frames, PlateMatching::automatic}) {
         request.match = kind;
-        Relighting run(world, request, {});
+        Relighting run(world, request, {}, 4);
         for (int i = 0; i < count; ++i) {
             const Rgb gain = run.relighter.relit(size_t(i), run.progress).gain;
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(gain[c] / gains[size_t(i)][c], 1, 0.015) << i;
         }
         // A part of the sequence has the same.
-        Relighting part(world, request, {});
+        Relighting part(world, request, {}, 4);
         EXPECT_EQ(part.relighter.relit(17, part.progress).gain, run.relighter.relit(17, run.progress).gain);
     }
 }

@@ -83,13 +83,15 @@ struct Relighting {
     FrameOptions options;
     Progress progress;
     PlateRelighter relighter;
-    Relighting(const PlateWorld& world, const PlateRequest& request, const Look& look)
+    Relighting(const PlateWorld& world, const PlateRequest& request, const Look& look,
+               int samples = FrameOptions{}.samplesPerPixel)
         : plate(openPlate(world.shot.capture, request, progress)),
           track(look),
           looks(world.shot, world.scene, track),
-          relighter(plate, request, looks, denoised(), progress) {}
-    const FrameOptions& denoised() {
+          relighter(plate, request, looks, denoised(samples), progress) {}
+    const FrameOptions& denoised(int samples) {
         options.denoise = true;
+        options.samplesPerPixel = samples;
         return options;
     }
 };

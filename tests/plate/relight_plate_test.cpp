@@ -108,7 +108,7 @@ TEST(RelightPlate, TheSameBitsWhicheverFramesCameBefore) {
     const PlateWorld world;
     const TemporaryFolder folder;
     const PlateRequest request = world.writePlate(folder);
-    Relighting all(world, request, PlateWorld::dimmed()), one(world, request, PlateWorld::dimmed());
+    Relighting all(world, request, PlateWorld::dimmed(), 4), one(world, request, PlateWorld::dimmed(), 4);
     all.relighter.relit(0, all.progress);
     all.relighter.relit(1, all.progress);
     EXPECT_EQ(all.relighter.relit(3, all.progress).image.pixels, one.relighter.relit(3, one.progress).image.pixels);
@@ -119,7 +119,7 @@ TEST(RelightPlate, NeighboursSteadyTheLight) {
     const TemporaryFolder folder;
     PlateRequest request = world.writePlate(folder);
     FrameOptions many;
-    many.samplesPerPixel = 256;
+    many.samplesPerPixel = 64;
     Progress progress;
     const Frame old = renderFrame(world.relit({}), world.cameras[2], many, progress),
                 next = renderFrame(world.relit(PlateWorld::dimmed()), world.cameras[2], many, progress);

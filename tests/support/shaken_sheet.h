@@ -1,5 +1,7 @@
 // A printed sheet whose cameras and shape can be put off by known amounts.
 #pragma once
+#include <array>
+
 #include "base/random.h"
 #include "capture/capture.h"
 #include "capture/registration_fix.h"
@@ -16,27 +18,26 @@ struct ShakenSheet {
     ShakenSheet() {
         scene = sceneOf(sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 100, 100));
         capture.mesh = scene.mesh;
-        for (int i = 0; i < views; ++i) {
-            const double turn = 2 * double(pi) * i / views;
-            View view;
-            view.name = std::to_string(i);
-            view.camera = cameraAt({1.6 * std::cos(turn), 1.6 * std::sin(turn), 1.6 + 0.3 * (i % 3)}, {0, 0, 0}, width,
-                                   height, 170);
-            view.image = Image(width, height);
-            for (int y = 0; y < height; ++y)
-                for (int x = 0; x < width; ++x) view.image.at(x, y) = pixel(view.camera, x, y);
-            capture.views.push_back(std::move(view));
-        }
+        static const std::vector<View> photographs = photographed();
+        capture.views = photographs;
     }
 
     /// Blotches of 10 to 40 cm.
     static float print(float x, float y) {
+        struct Wave {
+            float frequency, cosine, sine, phase;
+        };
+        static const std::array<Wave, 12> waves = [] {
+            std::array<Wave, 12> all{};
+            for (size_t k = 0; k < all.size(); ++k) {
+                const Vec2 r = randomShift(3, k, 0), s = randomShift(3, k, 1);
+                const float angle = 2 * pi * r.y;
+                all[k] = {15 + 45 * r.x, std::cos(angle), std::sin(angle), 2 * pi * s.x};
+            }
+            return all;
+        }();
         float sum = 0;
-        for (int k = 0; k < 12; ++k) {
-            const Vec2 r = randomShift(3, uint64_t(k), 0), s = randomShift(3, uint64_t(k), 1);
-            const float frequency = 15 + 45 * r.x, angle = 2 * pi * r.y;
-            sum += std::sin(frequency * (x * std::cos(angle) + y * std::sin(angle)) + 2 * pi * s.x);
-        }
+        for (const Wave& w : waves) sum += std::sin(w.frequency * (x * w.cosine + y * w.sine) + w.phase);
         return 0.4f * std::exp(0.25f * sum);
     }
 
@@ -110,6 +111,21 @@ struct ShakenSheet {
     }
 
 private:
+    static std::vector<View> photographed() {
+        std::vector<View> all;
+        for (int i = 0; i < views; ++i) {
+            const double turn = 2 * double(pi) * i / views;
+            View view;
+            view.name = std::to_string(i);
+            view.camera = cameraAt({1.6 * std::cos(turn), 1.6 * std::sin(turn), 1.6 + 0.3 * (i % 3)}, {0, 0, 0}, width,
+                                   height, 170);
+            view.image = Image(width, height);
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x) view.image.at(x, y) = pixel(view.camera, x, y);
+            all.push_back(std::move(view));
+        }
+        return all;
+    }
     static Rgb pixel(const Camera& camera, int x, int y) {
         float sum = 0;
         for (int i = 0; i < 9; ++i) {
