@@ -135,6 +135,7 @@ Source readSource(const std::string& name, const fs::path& path) {
     std::ifstream in(path);
     std::smatch match;
     for (std::string line; std::getline(in, line);) {
+        if (line.find('#') == std::string::npos) continue;
         if (std::regex_match(line, match, includeLine)) source.includes.push_back({match[2], match[1] == "<"});
         else if (std::regex_match(line, pragmaLine)) source.pragmaOnce = true;
     }
@@ -192,14 +193,15 @@ TEST(IncludeRules, EverySourceWithAHeaderIncludesItFirstSoThatTheHeaderCompilesA
 
 /// Parsing and writing are what takes long to compile in the JSON library.
 TEST(IncludeRules, JsonIsParsedAndWrittenInOneFile) {
-    static const std::regex call(R"(.*(\b[jJ]son::parse\(|\.dump\().*)");
+    static const std::regex call(R"(\b[jJ]son::parse\(|\.dump\()");
     for (const char* folder : {"core", "ui", "app"})
         for (const fs::directory_entry& entry :
              fs::recursive_directory_iterator(fs::path(RELAMP_SOURCE_DIR) / folder)) {
             if (entry.path().filename() == "json_fields.cpp") continue;
             std::ifstream in(entry.path());
             for (std::string line; std::getline(in, line);)
-                EXPECT_FALSE(std::regex_match(line, call)) << entry.path() << ": use parseJson or dumpJson: " << line;
+                EXPECT_FALSE(line.find('(') != std::string::npos && std::regex_search(line, call))
+                    << entry.path() << ": use parseJson or dumpJson: " << line;
         }
 }
 
@@ -274,7 +276,9 @@ TEST(OnePipeline, NobodySolvesAroundIt) {
             if (name.starts_with("core/solve/")) continue;
             std::ifstream in(entry.path());
             for (std::string line; std::getline(in, line);) {
-                if (!std::regex_search(line.substr(0, line.find("//")), call)) continue;
+                if (line.find("solveScene") == std::string::npos ||
+                    !std::regex_search(line.substr(0, line.find("//")), call))
+                    continue;
                 ++calls;
                 EXPECT_EQ(name, "core/pipeline/pipeline.cpp") << line;
             }
@@ -294,7 +298,8 @@ TEST(OnePipeline, ShotsAreFilledInOnePlace) {
                 continue;
             std::ifstream in(entry.path());
             for (std::string line; std::getline(in, line);)
-                EXPECT_FALSE(std::regex_search(line, filled)) << name << ": " << line;
+                EXPECT_FALSE(line.find("shot.") != std::string::npos && std::regex_search(line, filled))
+                    << name << ": " << line;
         }
 }
 
