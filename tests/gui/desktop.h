@@ -180,8 +180,9 @@ public:
 
     Image screenshot(const std::string& name) const {
         const std::filesystem::path file = home_ / (name + ".png");
-        const std::string command =
-            "DISPLAY=:" + display_ + " import -window root png24:" + file.string() + " 2>/dev/null";
+        const std::string command = "DISPLAY=:" + display_ +
+                                    " import -window root -define png:compression-level=1 png24:" + file.string() +
+                                    " 2>/dev/null";
         if (std::system(command.c_str()) != 0) throw std::runtime_error("no screenshot: is ImageMagick installed?");
         if (const char* keep = std::getenv("RELAMP_KEEP_SCREENSHOTS")) {
             std::error_code ignored;
