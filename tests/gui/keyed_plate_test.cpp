@@ -1,4 +1,4 @@
-// A plate of 12 frames in the real window: imported, its light keyed and moved over the frames, played, undone,
+// A plate of 24 frames in the real window: imported, its light keyed and moved over the frames, played, undone,
 // exported; the saved look gives the same frames on the command line.
 #include <set>
 
@@ -15,9 +15,9 @@ using test::Desktop;
 using test::state;
 using Json = nlohmann::json;
 
-constexpr int lastFrame = 12;
+constexpr int lastFrame = 24;
 
-/// A camera that goes past the table in 12 frames, what it sees of the solved scene, and its track.
+/// A camera that goes past the table in 24 frames, what it sees of the solved scene, and its track.
 struct FilmedTable {
     test::TemporaryFolder folder;
     std::filesystem::path shot = folder / "table.relamp", files = folder / "plate.####.exr",
@@ -59,7 +59,7 @@ double differenceOf(const std::filesystem::path& one, const std::filesystem::pat
     return test::differenceIn(a, b, 0, 0, a.width, a.height);
 }
 
-TEST(GuiPlate, ALightKeyedOver12FramesIsTheSameOnTheCommandLine) {
+TEST(GuiPlate, ALightKeyedOver24FramesIsTheSameOnTheCommandLine) {
     const FilmedTable table;
     Desktop desk(768, 480);
     desk.start({"--scale", "0.75", "--width", "768", "--height", "480", table.shot.string()});
