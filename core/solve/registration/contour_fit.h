@@ -13,7 +13,7 @@ namespace relamp {
 constexpr double closeEnough = 0.3;
 constexpr size_t leastPoints = 200;
 /// Of what outlines are off by, that may be left: where photographs agree on the surface better as it is, outlines
-/// alone have to tell clearly. Rims that fade into the dark leave 0.8 on an exact mesh (lamp-only).
+/// alone have to tell clearly. Rims that fade into the dark leave 0.8 on an exact mesh.
 constexpr double outlinesAlone = 0.7, outlinesBesides = 0.85;
 
 struct ContourEstimate {
