@@ -26,5 +26,18 @@ TEST(Gauge, LittleLightTellsLittleOfTheScale) {
     EXPECT_TRUE(std::isfinite(scaleSigmaByModel(0, 0)));
 }
 
+TEST(Gauge, MetalHelpsTheBackgroundAndNotBouncedLight) {
+    LightUncertainty light;
+    light.fromBackground = Rgb(0.9f);
+    EXPECT_TRUE(restsOnPartOfLight(light, false));
+    EXPECT_FALSE(restsOnPartOfLight(light, true));
+    light.fromBackground = Rgb(0);
+    light.fromBounces = Rgb(1);
+    EXPECT_TRUE(restsOnPartOfLight(light, true)) << "1 % of the light would tell the scale to 5 %";
+    light.fromBounces = Rgb(0);
+    light.fromEmitters = Rgb(1);
+    EXPECT_FALSE(restsOnPartOfLight(light, false));
+}
+
 }  // namespace
 }  // namespace relamp

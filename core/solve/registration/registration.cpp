@@ -100,7 +100,7 @@ public:
         fit_.setScale(scale);
         found.viewsAfter = fit_.misfitOfViews();
         fit_.leaveOutViews(false);
-        if (found.reshaped() && !keepsOutlines(before)) found.viewsAfter = found.viewsBefore;
+        found.outlinesLost = found.reshaped() && !keepsOutlines(before);
         if (!found.reshaped()) return fit_.set(given);
         fit_.setScale(fit_.usualScale());
         step(widePriors(), true);
@@ -162,6 +162,7 @@ std::string toText(const RegistrationEstimate& e) {
     if (e.viewsBefore > 0)
         text += fmt::format("; with another shape photographs that were left out agree {:.0f} % better",
                             100 * (1 - e.viewsAfter / e.viewsBefore));
+    if (e.outlinesLost) text += ", but outlines leave their place";
     return text;
 }
 

@@ -19,12 +19,13 @@ struct RegistrationEstimate {
     double pixels = 0;                       ///< root mean square of what the mesh moves by in the photographs
     double displacement = 0;                 ///< root mean square, of the diagonal
     double viewsBefore = 0, viewsAfter = 0;  ///< misfit of views left out without and with another shape; 0: not tried
-    ContourEstimate contours;                ///< its fix is moved to `fix`
+    bool outlinesLost = false;  ///< the other shape takes outlines from where photographs show them: given up
+    ContourEstimate contours;   ///< its fix is moved to `fix`
     /// Whether photographs agree better (exact captures: by -1 to 1 %), by what can be seen (a thousandth of the
     /// luminance), and with a motion of more than a third of a pixel.
     bool moved() const { return after < 0.97 * before && before > after + 1e-6 && pixels > 0.35; }
-    /// Whether another shape lets the views that were left out agree clearly better.
-    bool reshaped() const { return viewsAfter < 0.9 * viewsBefore; }
+    /// Whether another shape lets the views that were left out agree clearly better, and keeps outlines.
+    bool reshaped() const { return viewsAfter < 0.9 * viewsBefore && !outlinesLost; }
     bool needed() const { return moved() || reshaped() || contours.needed(); }
 };
 
@@ -43,10 +44,10 @@ struct RegistrationTask {
 
 /// From blurred photographs to sharp ones, first with every other region left out; where that is needed, once more with
 /// all. Where photographs differ by more than 3 % then, cameras that are far off are looked for, then a shape at large,
-/// with every fourth view left out. In the end outlines are brought to where photographs show them
-/// (solve/registration/contour_fit.h). Photometric refinement of poses and surface as in [Schops17], differences
-/// between near places in the place of patches' descriptors. Cost: see RegistrationFit, 1 to 5 s for ten photographs.
-/// Ends early when the time is out. Throws Cancelled.
+/// with every fourth view left out; neither may take outlines from where photographs show them. In the end outlines are
+/// brought to where photographs show them (solve/registration/contour_fit.h). Photometric refinement of poses and
+/// surface as in [Schops17], differences between near places in the place of patches' descriptors. Cost: see
+/// RegistrationFit, 1 to 5 s for ten photographs. Ends early when the time is out. Throws Cancelled.
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                           const RegistrationTask& task, Progress& progress);
 

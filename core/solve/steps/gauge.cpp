@@ -172,10 +172,12 @@ float scaleSigmaByModel(double seen, double bounced) {
     return float(modelError / std::max(std::hypot(seen, bounced), 1e-3));
 }
 
+bool restsOnPartOfLight(const LightUncertainty& light, bool metal) {
+    return luminance(light.fromBounces + (metal ? Rgb(0) : light.fromBackground)) > 0.5f;
+}
+
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma) {
-    const float bounces = luminance(light.fromBounces);
-    // Metal shows the background beside the rest.
-    if (luminance(light.fromBackground) + bounces <= 0.5f || (s.gloss.joined && bounces <= 0.5f)) return sigma;
+    if (!restsOnPartOfLight(light, s.gloss.joined)) return sigma;
     const float best = scaleSigmaByModel(seenLight(s).fraction, s.bounce.fraction);
     return glm::sqrt(sigma * sigma + best * best);
 }

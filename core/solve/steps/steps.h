@@ -151,6 +151,9 @@ void assessUncertainty(const SolveRun& s, const Irradiance& irradiance, const Li
 /// Relative deviation of the scale of light at best: what gives a hundredth of the light cannot tell it better than the
 /// model is right to a hundredth of itself. Fractions of the light: background that is `seen`, and `bounced`.
 float scaleSigmaByModel(double seen, double bounced);
+/// Whether the scale rests on light that may be a small part of all: background, where no `metal` mirrors it beside the
+/// rest, or bounced light, which metal does not help.
+bool restsOnPartOfLight(const LightUncertainty& light, bool metal);
 /// A deviation of the scale with what the model of light is off by, where little of it is seen (docs/method.md 6.5).
 Rgb widenedByModel(const SolveRun& s, const LightUncertainty& light, Rgb sigma);
 /// Whether highlights alone would tell the scale, before a backdrop: they are as strong as their lobes' weights say,

@@ -130,6 +130,17 @@ TEST(Contours, AreOutOfPlaceUnderCamerasThatAreFarOff) {
     EXPECT_GT(left, there / 12);
 }
 
+TEST(Contours, ThatHaveToTellAloneHaveToTellMore) {
+    const PhotographedBall ball(0.99f);
+    const ContourEstimate besides = ball.aligned();
+    ASSERT_TRUE(besides.needed());
+    Progress progress;
+    const ContourEstimate alone = alignContours(ball.capture, ball.scene, {}, ball.scene.mesh.vertexCount(), {}, 1e-3f,
+                                                progress, 0.9 * besides.after / besides.before);
+    EXPECT_FALSE(alone.needed()) << toText(alone);
+    EXPECT_TRUE(alone.fix.empty());
+}
+
 TEST(Contours, LeaveEmittersAlone) {
     const PhotographedBall ball(0.99f);
     Progress progress;
