@@ -13,6 +13,7 @@
 #include "radiance/crossed_sheets.h"
 #include "radiance/cut_surfaces.h"
 #include "radiance/free_space.h"
+#include "radiance/mirror_balls.h"
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
 #include "scene/sharp_creases.h"
@@ -130,6 +131,25 @@ public:
         }
         apply({});
         say(fmt::format("rounded creases are sharp where two flat sides meet ({} vertices)", mend_.turned.size()));
+    }
+
+    /// Balls that mirror: a normal that is a degree off shows another part of the sky.
+    void roundMirrors() {
+        bool any = false;
+        for (const MirroringBall& ball : mirrorBalls(*prepared_.scene, *prepared_.samples, verticesOfLights())) {
+            const RoundedBall round = roundedBall(ball, capture_.mesh);
+            if (round.moved.empty()) continue;
+            for (const MeshMend::MovedVertex& m : round.moved)
+                if (m.vertex < file_.vertexCount()) mend_.moved.push_back(m);
+            for (const MeshMend::TurnedVertex& t : round.turned)
+                if (t.vertex < file_.vertexCount()) mend_.turned.push_back(t);
+            say(fmt::format(
+                "a ball of {:.1f} mm radius mirrors its surroundings: {} vertices were brought onto it, which "
+                "lay {:.2f} mm beside it",
+                1000 * ball.radius, round.moved.size(), 1000 * ball.off));
+            any = true;
+        }
+        if (any) apply({});
     }
 
     /// `inexact`: the mesh is known to be off somewhere.
@@ -433,6 +453,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     const bool skirts = mender.takeSkirtsOff();
     if (skirts || moved) mender.completeSurfaces();
     if (skirts || moved) mender.sharpenCreases(shape);
+    mender.roundMirrors();
     mender.shapeEmitters(skirts || moved);
     if (skirts || moved) mender.completeLights();
     if (skirts || moved) mender.continueSurfaces();

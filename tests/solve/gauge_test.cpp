@@ -26,6 +26,13 @@ TEST(Gauge, LittleLightTellsLittleOfTheScale) {
     EXPECT_TRUE(std::isfinite(scaleSigmaByModel(0, 0)));
 }
 
+TEST(Gauge, BouncedLightThatLightOutgrowsNeedsMoreEvidence) {
+    EXPECT_EQ(mostLeftByBounce(0.2f, 0.21f, true), 0.99);
+    EXPECT_EQ(mostLeftByBounce(0.35f, 0.59f, true), 0.99) << "the light was too strong without it";
+    EXPECT_EQ(mostLeftByBounce(0.016f, 0.146f, true), 0.97);
+    EXPECT_EQ(mostLeftByBounce(0.016f, 0.146f, false), 0.99) << "nothing else tells the scale";
+}
+
 TEST(Gauge, MetalHelpsTheBackgroundAndNotBouncedLight) {
     LightUncertainty light;
     light.fromBackground = Rgb(0.9f);

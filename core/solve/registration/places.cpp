@@ -38,7 +38,8 @@ uint32_t walk(const Scene& scene, const std::vector<uint8_t>& usable, uint32_t v
 
 }  // namespace
 
-Places choosePlaces(const Capture& capture, const Scene& scene, const RadianceSamples& samples) {
+Places choosePlaces(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                    const std::vector<uint8_t>& mirrors) {
     const Mesh& mesh = scene.mesh;
     Places places;
     std::vector<uint8_t> usable(mesh.vertexCount(), 0);
@@ -46,7 +47,7 @@ Places choosePlaces(const Capture& capture, const Scene& scene, const RadianceSa
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
         size_t views = 0;
         for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) views += counts(samples.samples[k]);
-        usable[v] = views >= 3;
+        usable[v] = views >= 3 && (mirrors.empty() || !mirrors[v]);
         seen += usable[v];
     }
     const double fraction = mostPlaces / std::max(1.0, seen);

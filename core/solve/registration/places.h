@@ -36,7 +36,9 @@ struct Places {
 
 /// At most 20000 vertices that three views see, drawn by their ranks, and for each the ends of walks over two and five
 /// edges. Every other cell of a grid, 15 % of the diagonal wide, is left out: a whole region, so that what gloss
-/// pretends in one does not count as borne out. Clipped observations and those beside depth edges are not taken.
-Places choosePlaces(const Capture& capture, const Scene& scene, const RadianceSamples& samples);
+/// pretends in one does not count as borne out. Clipped observations and those beside depth edges are not taken, nor
+/// vertices of `mirrors` (per vertex non-zero, or empty): what these show moves with the eye.
+Places choosePlaces(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                    const std::vector<uint8_t>& mirrors);
 
 }  // namespace relamp

@@ -32,9 +32,13 @@ RegistrationPriors widePriors() {
 
 class Registration {
 public:
-    Registration(const Capture& capture, const Scene& scene, const RadianceSamples& samples, size_t vertices,
-                 Progress& progress)
-        : fit_(capture, scene, samples), capture_(capture), scene_(scene), vertices_(vertices), progress_(progress) {}
+    Registration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                 const RegistrationTask& task, Progress& progress)
+        : fit_(capture, scene, samples, task.mirrors),
+          capture_(capture),
+          scene_(scene),
+          vertices_(task.vertices),
+          progress_(progress) {}
 
     bool enough() const { return fit_.enough(); }
 
@@ -174,7 +178,7 @@ std::string farText(const RegistrationEstimate& e) {
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                           const RegistrationTask& task, Progress& progress) {
     RegistrationEstimate found;
-    Registration registration(capture, scene, samples, task.vertices, progress);
+    Registration registration(capture, scene, samples, task, progress);
     if (!registration.enough()) return found;
     progress.begin("Bringing cameras and mesh together", (std::size(blurs) + 1) * mostSteps);
     registration.refine(task, found);

@@ -35,11 +35,12 @@ std::string toText(const RegistrationEstimate& estimate);
 std::string farText(const RegistrationEstimate& estimate);
 
 struct RegistrationTask {
-    size_t vertices = 0;           ///< the first of the mesh, that may move
-    bool shape = true;             ///< false holds them
-    bool farCameras = true;        ///< whether cameras may be off by a hundredth of the photographs' width
-    bool afterFar = false;         ///< whether they were, and may still be off by a third of that
-    std::vector<uint8_t> emits{};  ///< see alignContours
+    size_t vertices = 0;             ///< the first of the mesh, that may move
+    bool shape = true;               ///< false holds them
+    bool farCameras = true;          ///< whether cameras may be off by a hundredth of the photographs' width
+    bool afterFar = false;           ///< whether they were, and may still be off by a third of that
+    std::vector<uint8_t> emits{};    ///< see alignContours
+    std::vector<uint8_t> mirrors{};  ///< see choosePlaces
 };
 
 /// From blurred photographs to sharp ones, first with every other region left out; where that is needed, once more with

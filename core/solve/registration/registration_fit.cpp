@@ -20,11 +20,12 @@ constexpr size_t mostBlocks = 16;       ///< of pairs, each with normal equation
 
 }  // namespace
 
-RegistrationFit::RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples)
+RegistrationFit::RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                 const std::vector<uint8_t>& mirrors)
     : capture_(capture),
       scene_(scene),
       graph_(buildDisplacementGraph(scene, nodeSpacing * scene.diagonal)),
-      places_(choosePlaces(capture, scene, samples)) {
+      places_(choosePlaces(capture, scene, samples, mirrors)) {
     unknowns_.moved.assign(graph_.nodes.size(), 0);
     double pixels = 0;
     for (const View& view : capture.views) {

@@ -19,7 +19,9 @@ struct RegistrationPriors {
 class RegistrationFit {
 public:
     /// Keeps references to `capture` and `scene`.
-    RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples);
+    /// `mirrors`: see choosePlaces.
+    RegistrationFit(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                    const std::vector<uint8_t>& mirrors = {});
 
     float dark() const { return places_.dark; }  ///< radiance below which little is told
     bool enough() const { return places_.pairs.size() >= 400; }

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "radiance/gather.h"
+#include "solve/registration/places.h"
 #include "support/shaken_sheet.h"
 
 namespace relamp {
@@ -26,6 +27,19 @@ TEST(Registration, LeavesAnExactCaptureAlone) {
     EXPECT_FALSE(found.needed()) << toText(found);
     EXPECT_LT(found.pixels, 0.25);
     EXPECT_TRUE(found.fix.empty());
+}
+
+TEST(Registration, LeavesWhatMirrorsOut) {
+    const ShakenSheet sheet;
+    Progress progress;
+    const RadianceSamples samples = gatherRadiance(sheet.capture, sheet.scene, {}, progress);
+    std::vector<uint8_t> mirrors(sheet.scene.mesh.vertexCount(), 0);
+    for (size_t v = 0; v < mirrors.size(); ++v) mirrors[v] = sheet.scene.mesh.positions[v].x > 0;
+    const Places all = choosePlaces(sheet.capture, sheet.scene, samples, {}),
+                 places = choosePlaces(sheet.capture, sheet.scene, samples, mirrors);
+    EXPECT_TRUE(std::any_of(all.vertex.begin(), all.vertex.end(), [&](uint32_t v) { return mirrors[v]; }));
+    ASSERT_FALSE(places.vertex.empty());
+    EXPECT_TRUE(std::none_of(places.vertex.begin(), places.vertex.end(), [&](uint32_t v) { return mirrors[v]; }));
 }
 
 TEST(Registration, BringsCamerasAndABentSheetBack) {
