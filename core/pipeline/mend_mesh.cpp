@@ -13,7 +13,7 @@
 #include "radiance/crossed_sheets.h"
 #include "radiance/cut_surfaces.h"
 #include "radiance/free_space.h"
-#include "radiance/mirror_balls.h"
+#include "radiance/mirror_spheres.h"
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
 #include "scene/sharp_creases.h"
@@ -136,15 +136,15 @@ public:
     /// Balls that mirror: a normal that is a degree off shows another part of the sky.
     void roundMirrors() {
         bool any = false;
-        for (const MirroringBall& ball : mirrorBalls(*prepared_.scene, *prepared_.samples, verticesOfLights())) {
-            const RoundedBall round = roundedBall(ball, capture_.mesh);
+        for (const MirrorSphere& ball : mirrorSpheres(*prepared_.scene, *prepared_.samples, verticesOfLights())) {
+            const RoundedSphere round = roundedSphere(ball, capture_.mesh);
             if (round.moved.empty()) continue;
             for (const MeshMend::MovedVertex& m : round.moved)
                 if (m.vertex < file_.vertexCount()) mend_.moved.push_back(m);
             for (const MeshMend::TurnedVertex& t : round.turned)
                 if (t.vertex < file_.vertexCount()) mend_.turned.push_back(t);
             say(fmt::format(
-                "a ball of {:.1f} mm radius mirrors its surroundings: {} vertices were brought onto it, which "
+                "a ball of {:.1f} mm radius mirrors its environment: {} vertices were brought onto it, which "
                 "lay {:.2f} mm beside it",
                 1000 * ball.radius, round.moved.size(), 1000 * ball.off));
             any = true;

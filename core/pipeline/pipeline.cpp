@@ -14,7 +14,7 @@
 #include "pipeline/state_checks.h"
 #include "pipeline/texture_stage.h"
 #include "pipeline/working_mesh.h"
-#include "radiance/mirror_balls.h"
+#include "radiance/mirror_spheres.h"
 #include "radiance/state_parts.h"
 #include "scene/smooth_normals.h"
 #include "shot/checkpoint.h"
@@ -165,7 +165,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
         const auto estimate = [&] {
             task.emits = verticesOf(*prepared.scene, {&prepared.clusters.emitters});
             task.mirrors =
-                verticesOfBalls(mirrorBalls(*prepared.scene, *prepared.samples, task.emits), task.emits.size());
+                verticesOfSpheres(mirrorSpheres(*prepared.scene, *prepared.samples, task.emits), task.emits.size());
             return estimateRegistration(capture, *prepared.scene, *prepared.samples, task, progress);
         };
         std::vector<Camera> given;

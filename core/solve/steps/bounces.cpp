@@ -52,14 +52,14 @@ double bouncedMisfit(const SolveRun& s, const BounceRays& others) {
 
 }  // namespace
 
-double mostLeftByBounce(float fraction, float foretold, bool anchored) {
+double mostLeftByBounce(float fraction, float predicted, bool anchored) {
     // Textures lower it by chance (0.1 to 0.2 % on scenes without bounced light); where there is bounced light it falls
     // by 6 to 20 %.
     constexpr double usual = 0.99;
     // Light that outgrows what is known of it leaves hardly any to bounced light, which then stands for other errors
     // (1 % on a mesh that was off, with light ten times as strong).
     constexpr double outgrown = 0.97;
-    return anchored && fraction < foretold / 3 ? outgrown : usual;
+    return anchored && fraction < predicted / 3 ? outgrown : usual;
 }
 
 void decideBounce(SolveRun& s, bool coarse) {

@@ -105,8 +105,8 @@ bool sharpenForMetals(SolveRun& s);
 /// ratios better. `coarse`: a first, cheap try that can only leave it out.
 void decideBounce(SolveRun& s, bool coarse);
 /// The part of the misfit without bounced light that may be left with it. `fraction`: of the light, that it gives then;
-/// `foretold`: of the light as it was fitted without, which is `anchored` where background or emitters tell its scale.
-double mostLeftByBounce(float fraction, float foretold, bool anchored);
+/// `predicted`: of the light as it was fitted without, which is `anchored` where background or emitters tell its scale.
+double mostLeftByBounce(float fraction, float predicted, bool anchored);
 /// Where the plan finds bounced light likely: what the photographs show of its senders joins the light from the start,
 /// by few rays; finer light judges it (decideBounce).
 void joinLikelyBounce(SolveRun& s);

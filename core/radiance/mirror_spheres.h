@@ -1,4 +1,4 @@
-// Balls that mirror their surroundings: chrome balls, brass knobs. A reconstruction leaves waves on them, and a normal
+// Balls that mirror their environment: chrome balls, brass knobs. A reconstruction leaves waves on them, and a normal
 // that is a degree off mirrors another part of the sky.
 #pragma once
 #include "capture/mesh_mend.h"
@@ -7,7 +7,7 @@
 
 namespace relamp {
 
-struct MirroringBall {
+struct MirrorSphere {
     DVec3 centre{0};  ///< metres
     double radius = 0;
     float off = 0;                   ///< metres: how far the mesh lies from it, robust standard deviation
@@ -18,17 +18,17 @@ struct MirroringBall {
 /// by robust least squares on distances. Kept where a third of the sphere is there, half of its vertices change so, and
 /// the mesh lies within 0.15 % of the scene's diagonal (robust standard deviation). `leftOut`, per vertex (non-zero:
 /// lights): not asked. The same answer in any order of the vertices. O(components x trials x 2000 vertices).
-std::vector<MirroringBall> mirrorBalls(const Scene& scene, const RadianceSamples& samples,
-                                       const std::vector<uint8_t>& leftOut);
+std::vector<MirrorSphere> mirrorSpheres(const Scene& scene, const RadianceSamples& samples,
+                                        const std::vector<uint8_t>& leftOut);
 
-/// Per vertex of `count` 1 where a ball lies.
-std::vector<uint8_t> verticesOfBalls(const std::vector<MirroringBall>& balls, size_t count);
+/// Per vertex of `count` 1 where a sphere lies.
+std::vector<uint8_t> verticesOfSpheres(const std::vector<MirrorSphere>& spheres, size_t count);
 
-/// What brings the mesh onto a ball: places and normals of its vertices. Nothing where it is there already.
-struct RoundedBall {
+/// What brings the mesh onto a sphere: places and normals of its vertices. Nothing where it is there already.
+struct RoundedSphere {
     std::vector<MeshMend::MovedVertex> moved;
     std::vector<MeshMend::TurnedVertex> turned;
 };
-RoundedBall roundedBall(const MirroringBall& ball, const Mesh& mesh);
+RoundedSphere roundedSphere(const MirrorSphere& sphere, const Mesh& mesh);
 
 }  // namespace relamp

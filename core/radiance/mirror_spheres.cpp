@@ -1,4 +1,4 @@
-#include "radiance/mirror_balls.h"
+#include "radiance/mirror_spheres.h"
 
 #include <algorithm>
 #include <array>
@@ -10,14 +10,14 @@
 namespace relamp {
 namespace {
 
-constexpr float mirrorSpread = 0.2f;     ///< relative standard deviation between views, beyond noise
-constexpr size_t leastMirroring = 200;   ///< vertices
-constexpr size_t mostBallJudges = 2000;  ///< vertices that a trial's sphere is tried on
-constexpr uint64_t ballTrials = 300;
-constexpr double smallestBall = 0.01, largestBall = 0.5;  ///< radii, of the diagonal
-constexpr float ballReach = 0.004f;                       ///< of the diagonal: how far from its sphere a vertex may lie
-constexpr float facesOutwards = 0.8f;                     ///< cosine between normal and radius
-constexpr float mostOff = 0.0015f;  ///< of the diagonal, robust standard deviation of the distances
+constexpr float mirrorSpread = 0.2f;       ///< relative standard deviation between views, beyond noise
+constexpr size_t leastMirroring = 200;     ///< vertices
+constexpr size_t mostSphereJudges = 2000;  ///< vertices that a trial's sphere is tried on
+constexpr uint64_t sphereTrials = 300;
+constexpr double smallestSphere = 0.01, largestSphere = 0.5;  ///< radii, of the diagonal
+constexpr float sphereReach = 0.004f;  ///< of the diagonal: how far from its sphere a vertex may lie
+constexpr float facesOutwards = 0.8f;  ///< cosine between normal and radius
+constexpr float mostOff = 0.0015f;     ///< of the diagonal, robust standard deviation of the distances
 constexpr float leastCovered = 0.33f, leastOfThem = 0.5f;
 constexpr int mostFailures = 3;        ///< spheres of a component that turn out not to mirror
 constexpr float roundAlready = 2e-5f;  ///< of the radius: what is off by less is round
@@ -42,7 +42,7 @@ float spreadBetweenViews(const RadianceSamples& samples, uint32_t v) {
 }
 
 /// The sphere through the meeting point of two vertices' normals; radius 0 where they hardly meet.
-MirroringBall ballThrough(const Mesh& mesh, uint32_t a, uint32_t b) {
+MirrorSphere sphereThrough(const Mesh& mesh, uint32_t a, uint32_t b) {
     const DVec3 p(mesh.positions[a]), q(mesh.positions[b]), m(mesh.normals[a]), n(mesh.normals[b]);
     const double mn = glm::dot(m, n), apart = 1 - mn * mn;
     if (apart < 0.1) return {};
@@ -52,25 +52,25 @@ MirroringBall ballThrough(const Mesh& mesh, uint32_t a, uint32_t b) {
     return {0.5 * (p + s * m + q + t * n), -0.5 * (s + t), 0, {}};
 }
 
-bool liesOn(const MirroringBall& ball, const Mesh& mesh, uint32_t v, float reach) {
-    const DVec3 from = DVec3(mesh.positions[v]) - ball.centre;
+bool liesOn(const MirrorSphere& sphere, const Mesh& mesh, uint32_t v, float reach) {
+    const DVec3 from = DVec3(mesh.positions[v]) - sphere.centre;
     const double distance = glm::length(from);
-    return std::abs(distance - ball.radius) < double(reach) &&
+    return std::abs(distance - sphere.radius) < double(reach) &&
            glm::dot(from, DVec3(mesh.normals[v])) > double(facesOutwards) * distance;
 }
 
 /// Least squares on the distances from the sphere, Cauchy weights.
-void refineBall(MirroringBall& ball, const Mesh& mesh, const std::vector<uint32_t>& vertices) {
+void refineSphere(MirrorSphere& sphere, const Mesh& mesh, const std::vector<uint32_t>& vertices) {
     for (int round = 0; round < 8; ++round) {
         std::vector<double> off;
         for (const uint32_t v : vertices)
-            off.push_back(std::abs(glm::length(DVec3(mesh.positions[v]) - ball.centre) - ball.radius));
-        const double scale = 1.4826 * medianOf(off) + 1e-12 * ball.radius;
+            off.push_back(std::abs(glm::length(DVec3(mesh.positions[v]) - sphere.centre) - sphere.radius));
+        const double scale = 1.4826 * medianOf(off) + 1e-12 * sphere.radius;
         glm::dmat4 normal(0);
         glm::dvec4 moment(0);
         for (const uint32_t v : vertices) {
-            const DVec3 from = DVec3(mesh.positions[v]) - ball.centre;
-            const double distance = glm::length(from), r = distance - ball.radius, u = r / (2 * scale),
+            const DVec3 from = DVec3(mesh.positions[v]) - sphere.centre;
+            const double distance = glm::length(from), r = distance - sphere.radius, u = r / (2 * scale),
                          w = 1 / (1 + u * u);
             const glm::dvec4 row(from / distance, 1);
             normal += w * glm::outerProduct(row, row);
@@ -78,14 +78,14 @@ void refineBall(MirroringBall& ball, const Mesh& mesh, const std::vector<uint32_
         }
         for (int k = 0; k < 4; ++k) normal[k][k] *= 1 + 1e-9;
         const glm::dvec4 step = glm::inverse(normal) * moment;
-        ball.centre += DVec3(step);
-        ball.radius += step.w;
-        ball.off = float(scale);
+        sphere.centre += DVec3(step);
+        sphere.radius += step.w;
+        sphere.off = float(scale);
     }
 }
 
 /// Fraction of the sphere within 15 degrees of a vertex, of 200 even directions.
-float coveredFraction(const MirroringBall& ball, const Mesh& mesh) {
+float coveredFraction(const MirrorSphere& sphere, const Mesh& mesh) {
     constexpr int directions = 200;
     const float near = std::cos(0.26f);
     std::vector<Vec3> even;
@@ -96,72 +96,73 @@ float coveredFraction(const MirroringBall& ball, const Mesh& mesh) {
     }
     size_t covered = 0;
     for (const Vec3& direction : even)
-        covered += std::any_of(ball.vertices.begin(), ball.vertices.end(), [&](uint32_t v) {
-            const Vec3 from = Vec3(DVec3(mesh.positions[v]) - ball.centre);
+        covered += std::any_of(sphere.vertices.begin(), sphere.vertices.end(), [&](uint32_t v) {
+            const Vec3 from = Vec3(DVec3(mesh.positions[v]) - sphere.centre);
             return glm::dot(from, direction) > near * glm::length(from);
         });
     return float(covered) / directions;
 }
 
 /// Vertices of one component, those that mirror and all that might.
-struct BallSearch {
+struct SphereSearch {
     const Scene& scene;
     const std::vector<float>& spread;  ///< per vertex
     std::vector<uint32_t> mirroring, all;
 
     /// The sphere with most mirroring vertices; radius 0: none.
-    MirroringBall best() const {
+    MirrorSphere best() const {
         const Mesh& mesh = scene.mesh;
         const float diagonal = scene.diagonal;
-        MirroringBall found;
+        MirrorSphere found;
         const std::vector<uint32_t> judges(mirroring.begin(),
-                                           mirroring.begin() + long(std::min(mirroring.size(), mostBallJudges)));
+                                           mirroring.begin() + long(std::min(mirroring.size(), mostSphereJudges)));
         size_t most = judges.size() / 20;
-        for (uint64_t trial = 0; trial < ballTrials; ++trial) {
+        for (uint64_t trial = 0; trial < sphereTrials; ++trial) {
             const auto drawn = [&](uint64_t k) {
                 return judges[size_t(unitFloat(mixBits(2 * trial + k)) * float(judges.size()))];
             };
-            const MirroringBall ball = ballThrough(mesh, drawn(0), drawn(1));
-            if (!(ball.radius > smallestBall * double(diagonal) && ball.radius < largestBall * double(diagonal)))
+            const MirrorSphere sphere = sphereThrough(mesh, drawn(0), drawn(1));
+            if (!(sphere.radius > smallestSphere * double(diagonal) &&
+                  sphere.radius < largestSphere * double(diagonal)))
                 continue;
             const auto on = size_t(std::count_if(judges.begin(), judges.end(), [&](uint32_t v) {
-                return liesOn(ball, mesh, v, 2 * ballReach * diagonal);
+                return liesOn(sphere, mesh, v, 2 * sphereReach * diagonal);
             }));
             if (on <= most) continue;
             most = on;
-            found = ball;
+            found = sphere;
         }
         if (!(found.radius > 0)) return {};
         for (int round = 0; round < 3; ++round) {
             std::vector<uint32_t> on;
             for (const uint32_t v : all)
-                if (liesOn(found, mesh, v, (round ? 1 : 2) * ballReach * diagonal)) on.push_back(v);
+                if (liesOn(found, mesh, v, (round ? 1 : 2) * sphereReach * diagonal)) on.push_back(v);
             if (on.size() < leastMirroring) return {};
-            refineBall(found, mesh, on);
+            refineSphere(found, mesh, on);
         }
-        const float reach = std::clamp(3 * found.off, 0.25f * ballReach * diagonal, ballReach * diagonal);
+        const float reach = std::clamp(3 * found.off, 0.25f * sphereReach * diagonal, sphereReach * diagonal);
         for (const uint32_t v : all)
             if (liesOn(found, mesh, v, reach)) found.vertices.push_back(v);
         std::sort(found.vertices.begin(), found.vertices.end());
         return found;
     }
 
-    bool mirrors(const MirroringBall& ball) const {
+    bool mirrors(const MirrorSphere& sphere) const {
         size_t known = 0, changing = 0;
-        for (const uint32_t v : ball.vertices) {
+        for (const uint32_t v : sphere.vertices) {
             known += spread[v] >= 0;
             changing += spread[v] > mirrorSpread;
         }
-        return ball.vertices.size() >= leastMirroring &&
-               ball.off<mostOff * scene.diagonal&& float(changing)> leastOfThem * float(known) &&
-               coveredFraction(ball, scene.mesh) > leastCovered;
+        return sphere.vertices.size() >= leastMirroring &&
+               sphere.off<mostOff * scene.diagonal&& float(changing)> leastOfThem * float(known) &&
+               coveredFraction(sphere, scene.mesh) > leastCovered;
     }
 };
 
 }  // namespace
 
-std::vector<MirroringBall> mirrorBalls(const Scene& scene, const RadianceSamples& samples,
-                                       const std::vector<uint8_t>& leftOut) {
+std::vector<MirrorSphere> mirrorSpheres(const Scene& scene, const RadianceSamples& samples,
+                                        const std::vector<uint8_t>& leftOut) {
     const size_t n = scene.mesh.vertexCount();
     std::vector<float> spread(n, -1);
     std::vector<uint32_t> order;
@@ -172,39 +173,41 @@ std::vector<MirroringBall> mirrorBalls(const Scene& scene, const RadianceSamples
     }
     std::sort(order.begin(), order.end(),
               [&](uint32_t a, uint32_t b) { return std::pair(scene.rank[a], a) < std::pair(scene.rank[b], b); });
-    std::vector<BallSearch> searches(scene.components, BallSearch{scene, spread, {}, {}});
+    std::vector<SphereSearch> searches(scene.components, SphereSearch{scene, spread, {}, {}});
     for (const uint32_t v : order) {
-        BallSearch& search = searches[scene.component[v]];
+        SphereSearch& search = searches[scene.component[v]];
         search.all.push_back(v);
         if (spread[v] > mirrorSpread) search.mirroring.push_back(v);
     }
-    std::vector<MirroringBall> found;
-    for (BallSearch& search : searches)
+    std::vector<MirrorSphere> found;
+    for (SphereSearch& search : searches)
         for (int failed = 0; failed < mostFailures && search.mirroring.size() >= leastMirroring;) {
-            MirroringBall ball = search.best();
-            if (ball.vertices.empty()) break;
-            const auto onIt = [&](uint32_t v) { return liesOn(ball, scene.mesh, v, 2 * ballReach * scene.diagonal); };
+            MirrorSphere sphere = search.best();
+            if (sphere.vertices.empty()) break;
+            const auto onIt = [&](uint32_t v) {
+                return liesOn(sphere, scene.mesh, v, 2 * sphereReach * scene.diagonal);
+            };
             std::erase_if(search.mirroring, onIt);
             std::erase_if(search.all, onIt);
-            if (search.mirrors(ball)) found.push_back(std::move(ball));
+            if (search.mirrors(sphere)) found.push_back(std::move(sphere));
             else ++failed;
         }
     return found;
 }
 
-std::vector<uint8_t> verticesOfBalls(const std::vector<MirroringBall>& balls, size_t count) {
+std::vector<uint8_t> verticesOfSpheres(const std::vector<MirrorSphere>& spheres, size_t count) {
     std::vector<uint8_t> marked(count, 0);
-    for (const MirroringBall& ball : balls)
-        for (const uint32_t v : ball.vertices) marked[v] = 1;
+    for (const MirrorSphere& sphere : spheres)
+        for (const uint32_t v : sphere.vertices) marked[v] = 1;
     return marked;
 }
 
-RoundedBall roundedBall(const MirroringBall& ball, const Mesh& mesh) {
-    RoundedBall rounded;
-    if (double(ball.off) < double(roundAlready) * ball.radius) return rounded;
-    for (const uint32_t v : ball.vertices) {
-        const DVec3 outwards = glm::normalize(DVec3(mesh.positions[v]) - ball.centre);
-        rounded.moved.push_back({v, Vec3(ball.centre + ball.radius * outwards)});
+RoundedSphere roundedSphere(const MirrorSphere& sphere, const Mesh& mesh) {
+    RoundedSphere rounded;
+    if (double(sphere.off) < double(roundAlready) * sphere.radius) return rounded;
+    for (const uint32_t v : sphere.vertices) {
+        const DVec3 outwards = glm::normalize(DVec3(mesh.positions[v]) - sphere.centre);
+        rounded.moved.push_back({v, Vec3(sphere.centre + sphere.radius * outwards)});
         rounded.turned.push_back({v, Vec3(outwards)});
     }
     return rounded;

@@ -1,5 +1,5 @@
 // A ball with the waves of a reconstruction is round again where it mirrors, and nowhere else.
-#include "radiance/mirror_balls.h"
+#include "radiance/mirror_spheres.h"
 
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ struct Stage {
             samples.start.push_back(uint32_t(samples.samples.size()));
         }
     }
-    std::vector<MirroringBall> balls() const {
-        return mirrorBalls(scene, samples, std::vector<uint8_t>(scene.mesh.vertexCount(), 0));
+    std::vector<MirrorSphere> balls() const {
+        return mirrorSpheres(scene, samples, std::vector<uint8_t>(scene.mesh.vertexCount(), 0));
     }
 
 private:
@@ -50,46 +50,46 @@ private:
     }
 };
 
-TEST(MirrorBalls, AreRoundAgain) {
+TEST(MirrorSpheres, AreRoundAgain) {
     const Stage stage(test::ball(centre, radius, 60, 120), waves, true);
-    const std::vector<MirroringBall> found = stage.balls();
+    const std::vector<MirrorSphere> found = stage.balls();
     ASSERT_EQ(found.size(), 1u);
     EXPECT_NEAR(found[0].radius, double(radius), 1e-4);
     EXPECT_LT(glm::length(Vec3(found[0].centre) - centre), 1e-4f);
     EXPECT_GT(found[0].vertices.size(), 6000u);
-    const RoundedBall round = roundedBall(found[0], stage.scene.mesh);
+    const RoundedSphere round = roundedSphere(found[0], stage.scene.mesh);
     ASSERT_EQ(round.moved.size(), found[0].vertices.size());
     for (size_t i = 0; i < round.moved.size(); ++i) {
         const Vec3 from = round.moved[i].position - centre;
         EXPECT_NEAR(glm::length(from), radius, 3e-4f);
         EXPECT_GT(glm::dot(from, round.turned[i].normal), 0.9999f * glm::length(from));
     }
-    const std::vector<uint8_t> marked = verticesOfBalls(found, stage.scene.mesh.vertexCount());
+    const std::vector<uint8_t> marked = verticesOfSpheres(found, stage.scene.mesh.vertexCount());
     EXPECT_EQ(size_t(std::count(marked.begin(), marked.end(), 1)), found[0].vertices.size());
 }
 
-TEST(MirrorBalls, ExactOnesStayToTheBit) {
+TEST(MirrorSpheres, ExactOnesStayToTheBit) {
     const Stage stage(test::ball(centre, radius, 60, 120), 0, true);
-    const std::vector<MirroringBall> found = stage.balls();
+    const std::vector<MirrorSphere> found = stage.balls();
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_TRUE(roundedBall(found[0], stage.scene.mesh).moved.empty());
+    EXPECT_TRUE(roundedSphere(found[0], stage.scene.mesh).moved.empty());
 }
 
-TEST(MirrorBalls, WhatLooksAlikeFromEverywhereIsNone) {
+TEST(MirrorSpheres, WhatLooksAlikeFromEverywhereIsNone) {
     EXPECT_TRUE(Stage(test::ball(centre, radius, 60, 120), waves, false).balls().empty());
 }
 
-TEST(MirrorBalls, NeitherIsAnEggOrABox) {
+TEST(MirrorSpheres, NeitherIsAnEggOrABox) {
     Mesh egg = test::ball(centre, radius, 60, 120);
     for (Vec3& p : egg.positions) p.z = centre.z + 1.3f * (p.z - centre.z);
     EXPECT_TRUE(Stage(egg, 0, true).balls().empty());
     EXPECT_TRUE(Stage(test::box(centre - Vec3(0.2f), centre + Vec3(0.2f), 30), 0, true).balls().empty());
 }
 
-TEST(MirrorBalls, LightsAreNotAsked) {
+TEST(MirrorSpheres, LightsAreNotAsked) {
     const Stage stage(test::ball(centre, radius, 60, 120), waves, true);
     const std::vector<uint8_t> all(stage.scene.mesh.vertexCount(), 1);
-    EXPECT_TRUE(mirrorBalls(stage.scene, stage.samples, all).empty());
+    EXPECT_TRUE(mirrorSpheres(stage.scene, stage.samples, all).empty());
 }
 
 }  // namespace
