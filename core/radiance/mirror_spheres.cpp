@@ -1,11 +1,12 @@
 #include "radiance/mirror_spheres.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/random.h"
 #include "base/statistics.h"
+#include "radiance/state_parts.h"
+#include "radiance/view_spread.h"
 
 namespace relamp {
 namespace {
@@ -15,30 +16,23 @@ constexpr size_t leastMirroring = 200;     ///< vertices
 constexpr size_t mostSphereJudges = 2000;  ///< vertices that a trial's sphere is tried on
 constexpr uint64_t sphereTrials = 300;
 constexpr double smallestSphere = 0.01, largestSphere = 0.5;  ///< radii, of the diagonal
-constexpr float sphereReach = 0.004f;  ///< of the diagonal: how far from its sphere a vertex may lie
-constexpr float facesOutwards = 0.8f;  ///< cosine between normal and radius
-constexpr float mostOff = 0.0015f;     ///< of the diagonal, robust standard deviation of the distances
-constexpr float leastCovered = 0.33f, leastOfThem = 0.5f;
-constexpr int mostFailures = 3;        ///< spheres of a component that turn out not to mirror
-constexpr float roundAlready = 2e-5f;  ///< of the radius: what is off by less is round
+constexpr float sphereReach = 0.004f;      ///< of the diagonal: how far from its sphere a vertex may lie
+constexpr float facesOutwards = 0.8f;      ///< cosine between normal and radius
+constexpr float mostOff = 0.0015f;         ///< of the diagonal, robust standard deviation of the distances
+constexpr float leastCovered = 0.33f;      ///< of the sphere
+constexpr int mostFailures = 3;            ///< spheres of a component that turn out not to mirror
+constexpr float roundAlready = 0.999994f;  ///< median cosine between normals and radii: 0.2 degrees
 
-/// Relative standard deviation of a vertex's luminance between the views, noise taken out; -1: nothing is known.
-float spreadBetweenViews(const RadianceSamples& samples, uint32_t v) {
-    float sum = 0, squares = 0, weight = 0;
-    int count = 0;
-    for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
-        const RadianceSample& s = samples.samples[k];
-        if (s.weight < 0.3f || s.clipped) continue;
-        const float y = luminance(s.radiance);
-        sum += s.weight * y;
-        squares += s.weight * y * y;
-        weight += s.weight;
-        ++count;
-    }
-    if (count < 2 || !(sum > 0)) return -1;
-    const float mean = sum / weight, noise = samples.sigma(mean) / mean,
-                variance = std::max(0.0f, squares / weight - mean * mean) * float(count) / float(count - 1);
-    return std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise));
+/// viewSpread of each vertex, of lighting states the largest: an emitter that is switched is no change with the view.
+std::vector<float> spreadsOf(const RadianceSamples& samples, size_t vertices) {
+    std::vector<float> spread(vertices, -1);
+    const auto take = [&](const RadianceSamples& part) {
+        for (uint32_t v = 0; v < vertices; ++v) spread[v] = std::max(spread[v], viewSpread(part, v));
+    };
+    if (samples.states == 1) take(samples);
+    else
+        for (uint32_t s = 0; s < samples.states; ++s) take(samplesOfState(samples, s));
+    return spread;
 }
 
 /// The sphere through the meeting point of two vertices' normals; radius 0 where they hardly meet.
@@ -147,14 +141,17 @@ struct SphereSearch {
         return found;
     }
 
+    /// Half of it changes with the view, and twice as much as the median of all else: where exposures differ, or
+    /// cameras are off, everything does.
     bool mirrors(const MirrorSphere& sphere) const {
-        size_t known = 0, changing = 0;
-        for (const uint32_t v : sphere.vertices) {
-            known += spread[v] >= 0;
-            changing += spread[v] > mirrorSpread;
+        if (sphere.vertices.size() < leastMirroring || !(sphere.off < mostOff * scene.diagonal)) return false;
+        std::vector<float> here, elsewhere;
+        for (uint32_t v = 0; v < spread.size(); ++v) {
+            const bool on = std::binary_search(sphere.vertices.begin(), sphere.vertices.end(), v);
+            if (spread[v] >= 0) (on ? here : elsewhere).push_back(spread[v]);
         }
-        return sphere.vertices.size() >= leastMirroring &&
-               sphere.off<mostOff * scene.diagonal&& float(changing)> leastOfThem * float(known) &&
+        const float changes = lowerMedianOf(std::move(here));
+        return changes > std::max(mirrorSpread, 2 * medianOf(std::move(elsewhere))) &&
                coveredFraction(sphere, scene.mesh) > leastCovered;
     }
 };
@@ -164,13 +161,10 @@ struct SphereSearch {
 std::vector<MirrorSphere> mirrorSpheres(const Scene& scene, const RadianceSamples& samples,
                                         const std::vector<uint8_t>& leftOut) {
     const size_t n = scene.mesh.vertexCount();
-    std::vector<float> spread(n, -1);
+    const std::vector<float> spread = spreadsOf(samples, n);
     std::vector<uint32_t> order;
-    for (uint32_t v = 0; v < n; ++v) {
-        if (leftOut[v] || !scene.referenced[v]) continue;
-        order.push_back(v);
-        spread[v] = spreadBetweenViews(samples, v);
-    }
+    for (uint32_t v = 0; v < n; ++v)
+        if (!leftOut[v] && scene.referenced[v]) order.push_back(v);
     std::sort(order.begin(), order.end(),
               [&](uint32_t a, uint32_t b) { return std::pair(scene.rank[a], a) < std::pair(scene.rank[b], b); });
     std::vector<SphereSearch> searches(scene.components, SphereSearch{scene, spread, {}, {}});
@@ -204,13 +198,14 @@ std::vector<uint8_t> verticesOfSpheres(const std::vector<MirrorSphere>& spheres,
 
 RoundedSphere roundedSphere(const MirrorSphere& sphere, const Mesh& mesh) {
     RoundedSphere rounded;
-    if (double(sphere.off) < double(roundAlready) * sphere.radius) return rounded;
+    std::vector<float> cosines;
     for (const uint32_t v : sphere.vertices) {
         const DVec3 outwards = glm::normalize(DVec3(mesh.positions[v]) - sphere.centre);
+        cosines.push_back(float(glm::dot(outwards, DVec3(mesh.normals[v]))));
         rounded.moved.push_back({v, Vec3(sphere.centre + sphere.radius * outwards)});
         rounded.turned.push_back({v, Vec3(outwards)});
     }
-    return rounded;
+    return medianOf(std::move(cosines)) < roundAlready ? rounded : RoundedSphere{};
 }
 
 }  // namespace relamp

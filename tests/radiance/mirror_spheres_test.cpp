@@ -79,6 +79,15 @@ TEST(MirrorSpheres, WhatLooksAlikeFromEverywhereIsNone) {
     EXPECT_TRUE(Stage(test::ball(centre, radius, 60, 120), waves, false).balls().empty());
 }
 
+TEST(MirrorSpheres, ASwitchedLightIsNoMirror) {
+    Stage stage(test::ball(centre, radius, 60, 120), waves, false);
+    for (RadianceSample& s : stage.samples.samples) s.radiance *= s.view % 2 ? 1.0f : 0.4f;
+    EXPECT_EQ(stage.balls().size(), 0u) << "the board changes as much";
+    stage.samples.states = 2;
+    for (uint32_t view = 0; view < 6; ++view) stage.samples.stateOfView.push_back(view % 2);
+    EXPECT_TRUE(stage.balls().empty());
+}
+
 TEST(MirrorSpheres, NeitherIsAnEggOrABox) {
     Mesh egg = test::ball(centre, radius, 60, 120);
     for (Vec3& p : egg.positions) p.z = centre.z + 1.3f * (p.z - centre.z);

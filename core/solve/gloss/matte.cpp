@@ -4,6 +4,7 @@
 
 #include "base/statistics.h"
 #include "radiance/state_parts.h"
+#include "radiance/view_spread.h"
 
 namespace relamp {
 namespace {
@@ -84,23 +85,7 @@ MatteObservations matteOfOneState(const Scene& scene, const RadianceSamples& sam
     std::vector<std::vector<float>> spreads(scene.materials);
     for (uint32_t v = 0; v < n; ++v) {
         if (skip[v] || samples.countOf(v) < 2) continue;
-        float sum = 0, sum2 = 0, weight = 0;
-        int count = 0;
-        for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
-            const RadianceSample& r = samples.samples[s];
-            if (r.weight < 0.3f || r.clipped) continue;
-            const float y = luminance(r.radiance);
-            sum += r.weight * y;
-            sum2 += r.weight * y * y;
-            weight += r.weight;
-            ++count;
-        }
-        if (count < 2 || !(sum > 0)) continue;
-        const float mean = sum / weight,
-                    variance = std::max(0.0f, sum2 / weight - mean * mean) * float(count) / float(count - 1);
-        if (mean < 4 * samples.noiseFloor) continue;
-        const float noise = samples.sigma(mean) / mean;
-        spreads[scene.material[v]].push_back(std::sqrt(std::max(0.0f, variance / (mean * mean) - noise * noise)));
+        if (const float spread = viewSpread(samples, v); spread >= 0) spreads[scene.material[v]].push_back(spread);
     }
     result.viewSpread.assign(scene.materials, 0);
     result.componentGlossy.assign(scene.materials, 0);
