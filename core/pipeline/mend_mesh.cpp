@@ -48,8 +48,11 @@ public:
 
     /// Whether there were any.
     bool takeSkirtsOff() {
-        mend_.removed =
-            freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, verticesOfLights(), progress_);
+        // What mirrors the background is not the background.
+        std::vector<uint8_t> surely = verticesOfLights();
+        for (const MirrorSphere& sphere : mirrorSpheres(*prepared_.scene, *prepared_.samples, surely))
+            for (const uint32_t v : sphere.vertices) surely[v] = 1;
+        mend_.removed = freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, surely, progress_);
         if (mend_.removed.empty()) return false;
         const RadianceSamples before = *prepared_.samples;
         apply({});

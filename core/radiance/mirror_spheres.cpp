@@ -5,7 +5,6 @@
 
 #include "base/random.h"
 #include "base/statistics.h"
-#include "radiance/state_parts.h"
 #include "radiance/view_spread.h"
 
 namespace relamp {
@@ -26,12 +25,8 @@ constexpr float roundAlready = 0.999994f;  ///< median cosine between normals an
 /// viewSpread of each vertex, of lighting states the largest: an emitter that is switched is no change with the view.
 std::vector<float> spreadsOf(const RadianceSamples& samples, size_t vertices) {
     std::vector<float> spread(vertices, -1);
-    const auto take = [&](const RadianceSamples& part) {
-        for (uint32_t v = 0; v < vertices; ++v) spread[v] = std::max(spread[v], viewSpread(part, v));
-    };
-    if (samples.states == 1) take(samples);
-    else
-        for (uint32_t s = 0; s < samples.states; ++s) take(samplesOfState(samples, s));
+    for (uint32_t v = 0; v < vertices; ++v)
+        for (uint32_t s = 0; s < samples.states; ++s) spread[v] = std::max(spread[v], viewSpread(samples, v, s));
     return spread;
 }
 
@@ -103,6 +98,11 @@ struct SphereSearch {
     const std::vector<float>& spread;  ///< per vertex
     std::vector<uint32_t> mirroring, all;
 
+    bool plausible(const MirrorSphere& sphere) const {
+        const double size = sphere.radius / double(scene.diagonal);
+        return size > smallestSphere && size < largestSphere;
+    }
+
     /// The sphere with most mirroring vertices; radius 0: none.
     MirrorSphere best() const {
         const Mesh& mesh = scene.mesh;
@@ -116,9 +116,7 @@ struct SphereSearch {
                 return judges[size_t(unitFloat(mixBits(2 * trial + k)) * float(judges.size()))];
             };
             const MirrorSphere sphere = sphereThrough(mesh, drawn(0), drawn(1));
-            if (!(sphere.radius > smallestSphere * double(diagonal) &&
-                  sphere.radius < largestSphere * double(diagonal)))
-                continue;
+            if (!plausible(sphere)) continue;
             const auto on = size_t(std::count_if(judges.begin(), judges.end(), [&](uint32_t v) {
                 return liesOn(sphere, mesh, v, 2 * sphereReach * diagonal);
             }));
@@ -144,7 +142,8 @@ struct SphereSearch {
     /// Half of it changes with the view, and twice as much as the median of all else: where exposures differ, or
     /// cameras are off, everything does.
     bool mirrors(const MirrorSphere& sphere) const {
-        if (sphere.vertices.size() < leastMirroring || !(sphere.off < mostOff * scene.diagonal)) return false;
+        if (!plausible(sphere) || sphere.vertices.size() < leastMirroring || sphere.off > mostOff * scene.diagonal)
+            return false;
         std::vector<float> here, elsewhere;
         for (uint32_t v = 0; v < spread.size(); ++v) {
             const bool on = std::binary_search(sphere.vertices.begin(), sphere.vertices.end(), v);
@@ -161,10 +160,12 @@ struct SphereSearch {
 std::vector<MirrorSphere> mirrorSpheres(const Scene& scene, const RadianceSamples& samples,
                                         const std::vector<uint8_t>& leftOut) {
     const size_t n = scene.mesh.vertexCount();
-    const std::vector<float> spread = spreadsOf(samples, n);
+    std::vector<float> spread = spreadsOf(samples, n);
     std::vector<uint32_t> order;
-    for (uint32_t v = 0; v < n; ++v)
-        if (!leftOut[v] && scene.referenced[v]) order.push_back(v);
+    for (uint32_t v = 0; v < n; ++v) {
+        if (leftOut[v] || !scene.referenced[v]) spread[v] = -1;
+        else order.push_back(v);
+    }
     std::sort(order.begin(), order.end(),
               [&](uint32_t a, uint32_t b) { return std::pair(scene.rank[a], a) < std::pair(scene.rank[b], b); });
     std::vector<SphereSearch> searches(scene.components, SphereSearch{scene, spread, {}, {}});

@@ -25,8 +25,8 @@ std::vector<MirrorSphere> mirrorSpheres(const Scene& scene, const RadianceSample
 /// Per vertex of `count` 1 where a sphere lies.
 std::vector<uint8_t> verticesOfSpheres(const std::vector<MirrorSphere>& spheres, size_t count);
 
-/// What brings the mesh onto a sphere: places and normals of its vertices. Nothing where half of the
-/// normals are right to 0.2 degrees.
+/// What brings the mesh onto a sphere: places and normals of its vertices. Nothing where half of the normals are right
+/// to 0.2 degrees.
 struct RoundedSphere {
     std::vector<MeshMend::MovedVertex> moved;
     std::vector<MeshMend::TurnedVertex> turned;

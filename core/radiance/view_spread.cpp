@@ -4,12 +4,12 @@
 
 namespace relamp {
 
-float viewSpread(const RadianceSamples& samples, uint32_t vertex) {
+float viewSpread(const RadianceSamples& samples, uint32_t vertex, uint32_t state) {
     float sum = 0, squares = 0, weight = 0;
     int count = 0;
     for (uint32_t k = samples.start[vertex]; k < samples.start[vertex + 1]; ++k) {
         const RadianceSample& s = samples.samples[k];
-        if (s.weight < 0.3f || s.clipped) continue;
+        if (s.weight < 0.3f || s.clipped || samples.stateOf(s.view) != state) continue;
         const float y = luminance(s.radiance);
         sum += s.weight * y;
         squares += s.weight * y * y;

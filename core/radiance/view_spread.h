@@ -4,8 +4,8 @@
 
 namespace relamp {
 
-/// Relative standard deviation of a vertex's luminance between its views, noise taken out. -1 where nothing is known:
-/// fewer than two good observations, or hardly brighter than noise. Under one lighting state.
-float viewSpread(const RadianceSamples& samples, uint32_t vertex);
+/// Relative standard deviation of a vertex's luminance between the views of one lighting state, noise taken out. -1
+/// where nothing is known: fewer than two good observations, or hardly brighter than noise.
+float viewSpread(const RadianceSamples& samples, uint32_t vertex, uint32_t state = 0);
 
 }  // namespace relamp
