@@ -43,12 +43,13 @@ struct RegistrationTask {
     std::vector<uint8_t> mirrors{};  ///< see choosePlaces
 };
 
-/// From blurred photographs to sharp ones, first with every other region left out; where that is needed, once more with
-/// all. Where photographs differ by more than 3 % then, cameras that are far off are looked for, then a shape at large,
-/// with every fourth view left out; neither may take outlines from where photographs show them. In the end outlines are
-/// brought to where photographs show them (solve/registration/contour_fit.h). Photometric refinement of poses and
-/// surface as in [Schops17], differences between near places in the place of patches' descriptors. Cost: see
-/// RegistrationFit, 1 to 5 s for ten photographs. Ends early when the time is out. Throws Cancelled.
+/// What mirrors is left out. From blurred photographs to sharp ones, first with every other region left out; where that
+/// is needed, once more with all. Where photographs differ by more than 3 % then, cameras that are far off are looked
+/// for, then a shape at large, with every fourth view left out; neither may take outlines from where photographs show
+/// them. In the end outlines are brought to where photographs show them (solve/registration/contour_fit.h). Photometric
+/// refinement of poses and surface as in [Schops17], differences between near places in the place of patches'
+/// descriptors. Cost: see RegistrationFit, 1 to 5 s for ten photographs. Ends early when the time is out. Throws
+/// Cancelled.
 RegistrationEstimate estimateRegistration(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                                           const RegistrationTask& task, Progress& progress);
 
