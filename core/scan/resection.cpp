@@ -1,7 +1,8 @@
 #include "scan/resection.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
+#include "base/dense.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 
@@ -37,13 +38,13 @@ Projection linearProjection(const std::vector<SeenPoint>& points) {
         const Eigen::Vector4d q = homogeneous((p.point - centre) / size);
         const glm::dvec2 r = (p.pixel - middle) / spread;
         for (const int axis : {0, 1}) {
-            Eigen::VectorXd row = Eigen::VectorXd::Zero(12);
+            Eigen::Vector<double, 12> row = Eigen::Vector<double, 12>::Zero();
             row.segment<4>(4 * axis) = q;
             row.segment<4>(8) = -r[axis] * q;
             normal.noalias() += row * row.transpose();
         }
     }
-    const Eigen::VectorXd least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(normal).eigenvectors().col(0);
+    const Eigen::VectorXd least = eigenOf(normal, true).vectors.col(0);
     Projection projection;
     for (int r = 0; r < 3; ++r) projection.row(r) = least.segment<4>(4 * r).transpose();
     Eigen::Matrix4d toUnits = Eigen::Matrix4d::Identity() / size;
@@ -65,7 +66,7 @@ double thicknessOf(const std::vector<SeenPoint>& points) {
         const Eigen::Vector3d off = Eigen::Vector3d(p.point.x, p.point.y, p.point.z) - mean;
         covariance += off * off.transpose();
     }
-    const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues();
+    const Eigen::VectorXd values = eigenOf(covariance, false).values;
     return values[2] > 0 ? std::sqrt(std::max(0.0, values[0]) / values[2]) : 0;
 }
 
@@ -172,7 +173,7 @@ struct Fit {
             for (size_t i = begin; i < end; ++i) {
                 const glm::dvec2 miss = missAt(camera, i);
                 const double length = glm::length(miss), weight = length < 2 ? 1 : 2 / length;
-                Eigen::MatrixXd row(2, unknowns + 1);
+                Eigen::Matrix<double, 2, unknowns + 1> row;
                 for (int k = 0; k < unknowns; ++k) {
                     const glm::dvec2 slope = (missAt(more[size_t(k)], i) - missAt(less[size_t(k)], i)) / (2 * small);
                     row(0, k) = slope.x;
@@ -180,23 +181,23 @@ struct Fit {
                 }
                 row(0, unknowns) = miss.x;
                 row(1, unknowns) = miss.y;
-                part.noalias() += weight * row.leftCols(unknowns).transpose() * row;
+                part.noalias() += weight * row.leftCols<unknowns>().transpose().lazyProduct(row);
             }
             return part;
         });
-        Eigen::MatrixXd prior(7, unknowns + 1);
+        Eigen::Matrix<double, 7, unknowns + 1> prior;
         for (int k = 0; k < unknowns; ++k)
             prior.col(k) = (priorOf(more[size_t(k)]) - priorOf(less[size_t(k)])) / (2 * small);
         prior.col(unknowns) = priorOf(camera);
-        sum.noalias() += prior.leftCols(unknowns).transpose() * prior;
+        sum.noalias() += prior.leftCols<unknowns>().transpose().lazyProduct(prior);
         return sum;
     }
 };
 
 /// Of a symmetric positive definite matrix.
 Eigen::MatrixXd inverseOf(const Eigen::MatrixXd& m) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
-    return eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+    const SymmetricEigen eigen = eigenOf(m, true);
+    return product(eigen.vectors * eigen.values.cwiseInverse().asDiagonal(), eigen.vectors.transpose());
 }
 
 /// Levenberg-Marquardt; returns the covariance of the last normal equations.
@@ -207,7 +208,7 @@ Eigen::MatrixXd refine(Camera& camera, const Fit& fit, Progress& progress) {
         progress.check();
         Eigen::MatrixXd left = normal.leftCols(unknowns);
         left.diagonal() *= 1 + damping;
-        const Eigen::VectorXd step = -inverseOf(left) * normal.col(unknowns);
+        const Eigen::VectorXd step = -product(inverseOf(left), normal.col(unknowns));
         const Camera next = moved(camera, step, fit.distance);
         const double nextCost = step.allFinite() ? fit.cost(next) : INFINITY;
         if (nextCost < cost) {

@@ -1,7 +1,8 @@
 #include "solve/photometric_estimate.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
+#include "base/dense.h"
 #include "base/statistics.h"
 
 namespace relamp {
@@ -142,7 +143,7 @@ PhotometricEstimate fitted(const Capture& capture, const Looks& all, float noise
             for (Eigen::Index j = i % 3; j < gains; j += 3) q(i, j) += strong / double(views * views);
         q.diagonal().array() += 1e-6 * strong;
         if (!falloff) q.diagonal().tail<2>().array() += 1e12 * strong;
-        u = q.ldlt().solve(moment);
+        u = solveSymmetric(q, moment);
         if (!u.allFinite()) return {};
         residualsOf(all, u, robust, residual);
         progress.advance();

@@ -1,7 +1,7 @@
 #include "solve/uncertainty.h"
 
 #include "base/parallel.h"
-#include "solve/dense.h"
+#include "base/dense.h"
 #include "solve/light/weighted_gram.h"
 
 namespace relamp {

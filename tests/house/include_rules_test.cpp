@@ -80,7 +80,7 @@ const std::vector<Library> libraries{
     {"OpenImageIO/", {"image/image_reader.cpp", "image/image_writer.cpp"}},
     {"OpenMesh/", {"scene/mesh_io.cpp"}},
     {"embree", {"scene/ray_tracer.cpp"}},
-    {"Eigen/", {"solve/", "scan/resection.cpp"}},
+    {"Eigen/", {"base/dense.h", "base/dense.cpp", "solve/", "scan/resection.cpp"}},
     {"unsupported/Eigen/", {"solve/"}},
     {"tbb/", {"base/parallel.cpp"}},
     {"oneapi/tbb", {"base/parallel.cpp"}},

@@ -1,11 +1,12 @@
 #include "solve/registration/flat_outline.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <tuple>
 
+#include "base/dense.h"
 #include "base/statistics.h"
 
 namespace relamp {
@@ -165,7 +166,7 @@ std::optional<FlatOutline> fitFlatOutline(const Capture& capture, const std::vec
             gram(directions + k, directions + k) += thin + there;
             gram(directions + k, directions + 1 - k) -= thin;
         }
-        const Eigen::VectorXd x = gram.ldlt().solve(right);
+        const Eigen::VectorXd x = solveSymmetric(gram, right);
         if (!x.allFinite()) return {};
         for (size_t i = 0; i < rows.size(); ++i) sizes[i] = std::abs(rows[i].residual(x));
         found.residual = medianOf(sizes);
@@ -179,7 +180,7 @@ std::optional<FlatOutline> fitFlatOutline(const Capture& capture, const std::vec
     }
     const double repeated = double(points.size()) / (independentPoints * double(found.views));
     const Eigen::VectorXd unit = Eigen::VectorXd::Unit(unknowns, directions);
-    found.deviation = spread * std::sqrt(std::max(1.0, repeated) * gram.ldlt().solve(unit)[directions]);
+    found.deviation = spread * std::sqrt(std::max(1.0, repeated) * solveSymmetric(gram, unit)[directions]);
     found.front = depths[0];
     found.back = depths[1];
     found.shape.assign(shape.data(), shape.data() + directions);

@@ -3,7 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 
-#include "solve/dense.h"
+#include "base/dense.h"
 
 namespace relamp {
 namespace {

@@ -1,6 +1,6 @@
 // How sure the light, the albedo and the environment image are.
 #include "base/log.h"
-#include "solve/dense.h"
+#include "base/dense.h"
 #include "solve/light/weighted_gram.h"
 #include "solve/steps/steps.h"
 

@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "base/statistics.h"
-#include "solve/dense.h"
+#include "base/dense.h"
 #include "solve/light/qp.h"
 
 namespace relamp {

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <random>
 
+#include "base/dense.h"
 #include "base/parallel.h"
 
 namespace relamp {
@@ -40,7 +41,7 @@ double bruteForce(const Eigen::MatrixXd& q, const Eigen::VectorXd& c) {
             rhs(Eigen::Index(i)) = c(index[i]);
             for (size_t j = 0; j < index.size(); ++j) sub(Eigen::Index(i), Eigen::Index(j)) = q(index[i], index[j]);
         }
-        const Eigen::VectorXd x = sub.ldlt().solve(rhs);
+        const Eigen::VectorXd x = solveSymmetric(sub, rhs);
         if (x.minCoeff() < -1e-9) continue;
         best = std::min(best, x.dot(sub * x) - 2 * rhs.dot(x));
     }
@@ -50,8 +51,8 @@ double bruteForce(const Eigen::MatrixXd& q, const Eigen::VectorXd& c) {
 TEST(BoundedQp, FindsTheBestOfAllActiveSets) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const Problem p = randomProblem(12, 8, seed);
-        const Eigen::MatrixXd q = p.a.transpose() * p.a;
-        const Eigen::VectorXd c = p.a.transpose() * p.b;
+        const Eigen::MatrixXd q = transposedProduct(p.a, p.a);
+        const Eigen::VectorXd c = transposedProduct(p.a, p.b);
         const QpResult r = solveBoundedQp(q, c, Eigen::VectorXd::Zero(8));
         ASSERT_TRUE(r.converged) << r.reason;
         EXPECT_GE(r.x.minCoeff(), 0);
@@ -71,7 +72,8 @@ TEST(BoundedQp, StaysFiniteWithDuplicatedAndEmptyColumns) {
     Problem p = randomProblem(40, 10, 7);
     p.a.col(3) = p.a.col(2);
     p.a.col(9).setZero();
-    const QpResult r = solveBoundedQp(p.a.transpose() * p.a, p.a.transpose() * p.b, Eigen::VectorXd::Zero(10));
+    const QpResult r =
+        solveBoundedQp(transposedProduct(p.a, p.a), transposedProduct(p.a, p.b), Eigen::VectorXd::Zero(10));
     EXPECT_TRUE(r.x.allFinite());
     EXPECT_LT(r.kktResidual, 1e-6);
     EXPECT_EQ(r.x(9), 0);
@@ -79,8 +81,8 @@ TEST(BoundedQp, StaysFiniteWithDuplicatedAndEmptyColumns) {
 
 TEST(BoundedQp, ScalesExactlyOverTwentyFourDecades) {
     const Problem p = randomProblem(60, 12, 3);
-    const Eigen::MatrixXd q = p.a.transpose() * p.a;
-    const Eigen::VectorXd c = p.a.transpose() * p.b, zero = Eigen::VectorXd::Zero(12);
+    const Eigen::MatrixXd q = transposedProduct(p.a, p.a);
+    const Eigen::VectorXd c = transposedProduct(p.a, p.b), zero = Eigen::VectorXd::Zero(12);
     const Eigen::VectorXd x = solveBoundedQp(q, c, zero).x;
     for (const double s : {1e-12, 1e12}) {
         const Eigen::VectorXd scaled = solveBoundedQp(q, c * s, zero).x;
@@ -90,8 +92,9 @@ TEST(BoundedQp, ScalesExactlyOverTwentyFourDecades) {
 
 TEST(BoundedQp, GivesTheSameAnswerFromAnyGuess) {
     const Problem p = randomProblem(90, 30, 11);
-    const Eigen::MatrixXd q = p.a.transpose() * p.a;
-    const Eigen::VectorXd c = p.a.transpose() * p.b, zero = Eigen::VectorXd::Zero(30), ones = Eigen::VectorXd::Ones(30);
+    const Eigen::MatrixXd q = transposedProduct(p.a, p.a);
+    const Eigen::VectorXd c = transposedProduct(p.a, p.b), zero = Eigen::VectorXd::Zero(30),
+                          ones = Eigen::VectorXd::Ones(30);
     EXPECT_LT((solveBoundedQp(q, c, zero).x - solveBoundedQp(q, c, zero, &ones).x).norm(), 1e-9);
 }
 
@@ -145,15 +148,15 @@ TEST(BoundedQp, EndsWhereAFactorInDoubleEndsHoweverStiffALargeProgramIs) {
         const QpResult r = solveBoundedQp(q, c, zero);
         EXPECT_TRUE(r.converged) << r.reason;
         EXPECT_LT(r.kktResidual, 1e-12) << weakest;
-        const Eigen::VectorXd wanted = q.llt().solve(c);
+        const Eigen::VectorXd wanted = solveSymmetric(q, c);
         EXPECT_LT((r.x - wanted).norm(), 3e-12 / weakest * wanted.norm()) << weakest;  // a ridge of 1e-12
     }
 }
 
 TEST(BoundedQp, TellsPointsThatKeepTheBoundsAndStopsInside) {
     const Problem p = randomProblem(1500, 1200, 2);
-    const Eigen::MatrixXd q = p.a.transpose() * p.a;
-    const Eigen::VectorXd c = p.a.transpose() * p.b, lower = Eigen::VectorXd::Constant(1200, -0.01);
+    const Eigen::MatrixXd q = transposedProduct(p.a, p.a);
+    const Eigen::VectorXd c = transposedProduct(p.a, p.b), lower = Eigen::VectorXd::Constant(1200, -0.01);
     Progress progress;
     QpWatch watch;
     watch.progress = &progress;

@@ -5,13 +5,12 @@
 namespace relamp::ui {
 namespace {
 
-/// A solved session seen from the first photograph's camera.
+/// An estimate seen from the first photograph's camera.
 struct Painted : Session {
     EyeView eye;
     Canvas canvas;
     Painted() {
-        open(captureFolder());
-        solve();
+        openEstimated();
         settle();
         const Scene& scene = *editor->state.document.scene;
         eye =

@@ -8,12 +8,11 @@
 namespace relamp::ui {
 namespace {
 
-/// A solved session seen from the first photograph's camera, its light selected.
+/// An estimate seen from the first photograph's camera, its light selected.
 struct Placing : Session {
     EyeView eye;
     Placing() {
-        open(captureFolder());
-        solve();
+        openEstimated();
         settle();
         eye = eyeOf(editor->state.document.capture->views[0].camera, {0, 0}, {400, 300}, {1, 1}, Vec3(0),
                     editor->state.document.scene->diagonal);

@@ -1,4 +1,4 @@
-#include "solve/dense.h"
+#include "base/dense.h"
 
 #include <Eigen/Eigenvalues>
 
