@@ -140,7 +140,8 @@ private:
         stages_.push_back(
             {Stage::surfaces, fitSeconds * tried + albedo_, std::max(albedoMib_, observations * leaves_ * 4 / mib)});
         if (observations > 0 && n.lobeLikely && options_.glossRounds > 0) {
-            const double rounds = options_.glossRounds, glossy = n.glossyObservations;
+            const double rounds = options_.glossRounds + (n.metals ? options_.metalRounds : 0),
+                         glossy = n.glossyObservations;
             if (glossy > 0) {
                 // What metals reflect is divided to a side of 32.
                 if (n.metals) leaves_ = std::max(leaves_, 1024 + n.emitters);

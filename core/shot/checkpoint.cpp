@@ -95,7 +95,7 @@ uint64_t solveFingerprint(const Capture& capture, const SolveOptions& o, bool ev
                                double(o.gauge.radiance.x), double(o.gauge.radiance.y), double(o.gauge.radiance.z),
                                double(o.gauge.albedo),     double(o.bounce),           double(everything),
                                double(o.lightSmoothness),  double(o.albedoSmoothness), double(o.askForStrength),
-                               double(o.palette),          double(o.mostLobes)})
+                               double(o.palette),          double(o.mostLobes),        double(o.metalRounds)})
         f.number(value);
     for (const Lobe& lobe : o.basis.lobes) {
         f.text(lobe.name);

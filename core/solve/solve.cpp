@@ -14,6 +14,7 @@ SolveOptions solveOptionsFor(const std::string& quality) {
         o.startIterations = 8;
         o.refineIterations = 3;
         o.glossRounds = 1;
+        o.metalRounds = 1;
         o.maxLeaves = 200;
         o.askForStrength = false;
     } else if (quality == "fine") {
@@ -33,7 +34,8 @@ std::vector<SolveStep> stepsOf(const SolveOptions& options) {
     std::vector<SolveStep> steps{firstLight, strongLight, firstSurfaces, startLight, bounces, lightStrength};
     for (int round = 0; round < options.refineRounds; ++round) steps.insert(steps.end(), {splitStrong, refineLight});
     steps.push_back(surfaces);
-    for (int round = 0; round < options.glossRounds; ++round) steps.insert(steps.end(), {glossLight, glossSurfaces});
+    const int rounds = options.glossRounds > 0 ? options.glossRounds + options.metalRounds : 0;
+    for (int round = 0; round < rounds; ++round) steps.insert(steps.end(), {glossLight, glossSurfaces});
     for (int round = 0; round < options.turns; ++round) steps.push_back(turn);
     return steps;
 }

@@ -36,6 +36,8 @@ struct SolveOptions {
     size_t maxLeaves = 480;
     int visibilitySide = 64;
     int startIterations = 25, refineIterations = 6, glossRounds = 2;
+    int metalRounds = 0;  ///< further rounds of lobe and light where there are metals, which see light that matte
+                          ///< surfaces do not tell apart
     int turns = 1;  ///< final rounds of light and reflectance in turn
     float splitFraction =
         0.008f;  ///< a leaf that gives more than this fraction of the light at the vertices, on average, is split

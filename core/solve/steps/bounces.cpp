@@ -88,8 +88,10 @@ void decideBounce(SolveRun& s, bool coarse) {
     Lighting start = s.light.lighting;
     const bool joined = s.bounce.joined();
     std::vector<Rgb>().swap(s.bounce.atObservation);
-    const AlbedoFreeReport alone = fitLight(
-        s, {coarse ? "light from ratios, coarse" : "light from ratios", joined ? s.in.options.startIterations : 1});
+    RatioFitRequest withoutBounce{coarse ? "light from ratios, coarse" : "light from ratios",
+                                  joined ? s.in.options.startIterations : 1};
+    withoutBounce.mayRefuteBackground = !coarse;
+    const AlbedoFreeReport alone = fitLight(s, withoutBounce);
     const Irradiance lit = s.irradiance();
     const double before = pairMisfit(s.observed.matte, s.observed.pairs, lit.value, lit.value);
     const Lighting without = joined ? s.light.lighting : start;

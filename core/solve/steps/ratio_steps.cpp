@@ -57,7 +57,7 @@ AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request) {
     s.light.unfinished = report.endedEarly;
     // While light is coarse, the bright part of a sky that nobody sees takes on the brightness of what is seen beside
     // it.
-    if (!s.bounce.joined() && request.end != FitEnd::coarse &&
+    if (!s.bounce.joined() && request.end != FitEnd::coarse && request.mayRefuteBackground &&
         s.light.refuteBackground(s.in, s.emitters, s.observed.matte)) {
         RatioFitRequest again = request;
         again.iterations = std::max(request.iterations, 4);

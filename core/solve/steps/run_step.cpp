@@ -58,6 +58,16 @@ void glossLightStep(SolveRun& s) {
     }
 }
 
+/// A round of lobe and light behind the usual ones, and no metal that it is for.
+bool leftToMetals(const SolveRun& s, SolveStep step) {
+    if (step != SolveStep::glossLight && step != SolveStep::glossSurfaces) return false;
+    const std::vector<SolveStep> steps = stepsOf(s.in.options);
+    const auto round = std::count(steps.begin(), steps.begin() + s.step, step);
+    const std::vector<uint8_t>& glossy = s.observed.matte.componentGlossy;
+    return round >= s.in.options.glossRounds &&
+           std::none_of(glossy.begin(), glossy.end(), [](uint8_t g) { return g == 2; });
+}
+
 void doStep(SolveRun& s, SolveStep step) {
     using enum SolveStep;
     const bool ratios = s.hasMatte() && s.in.options.nearField, alternating = s.hasMatte() && !s.in.options.nearField;
@@ -110,7 +120,7 @@ void runStep(SolveRun& s, SolveStep step, uint32_t index) {
     using enum SolveStep;
     // Without anything to show nothing is given up.
     const bool dispensable = step != firstLight && step != surfaces;
-    if (dispensable && s.stopped()) return;
+    if ((dispensable && s.stopped()) || leftToMetals(s, step)) return;
     s.stepMayBeCut = s.hasMatte() && s.in.options.nearField &&
                      (step == firstLight || step == startLight || step == refineLight || step == glossLight);
     const Lighting before = s.light.lighting;

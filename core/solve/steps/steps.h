@@ -43,6 +43,7 @@ struct RatioFitRequest {
     const ViewRows* views = nullptr;
     const MetalRatios* metals = nullptr;
     std::optional<ChromaFraction> chroma = {};
+    bool mayRefuteBackground = true;  ///< false: light is too coarse to say that background does not light the scene
 };
 AlbedoFreeReport fitLight(SolveRun& s, const RatioFitRequest& request);
 void improveLight(SolveRun& s, int iterations);
