@@ -19,6 +19,7 @@
 #include "scene/sharp_creases.h"
 #include "solve/registration/contour_fit.h"
 #include "solve/registration/round_rim.h"
+#include "transport/unlit_skirts.h"
 
 namespace relamp {
 namespace {
@@ -52,7 +53,11 @@ public:
         std::vector<uint8_t> surely = verticesOfLights();
         for (const MirrorSphere& sphere : mirrorSpheres(*prepared_.scene, *prepared_.samples, surely))
             for (const uint32_t v : sphere.vertices) surely[v] = 1;
-        mend_.removed = freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, surely, progress_);
+        const std::vector<uint32_t> past = freeSpaceTriangles(*prepared_.scene, capture_, *prepared_.samples, surely,
+                                                              progress_),
+                                    unlit = unlitSkirts(*prepared_.scene, *prepared_.samples, prepared_.clusters,
+                                                        surely, progress_);
+        std::set_union(past.begin(), past.end(), unlit.begin(), unlit.end(), std::back_inserter(mend_.removed));
         if (mend_.removed.empty()) return false;
         const RadianceSamples before = *prepared_.samples;
         apply({});

@@ -167,18 +167,15 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
     return all;
 }
 
-double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte) {
-    float brightest = 0;
-    size_t seen = 0;
-    for (size_t c = 0; c < samples.background.size(); ++c) {
-        if (samples.backgroundPixels[c] < 4) continue;
-        brightest = std::max(brightest, maxChannel(samples.background[c]));
-        ++seen;
-    }
-    if (matte.radiance.empty() || seen * 100 <= samples.background.size()) return -1;
-    std::vector<float> brightness;
-    for (const Rgb& y : matte.radiance) brightness.push_back(maxChannel(y));
-    return double(brightest) / std::max(double(medianOf(std::move(brightness))), 1e-30);
+double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte, bool inexact) {
+    std::vector<float> seen, surfaces;
+    for (size_t c = 0; c < samples.background.size(); ++c)
+        if (samples.backgroundPixels[c] >= 4) seen.push_back(maxChannel(samples.background[c]));
+    if (matte.radiance.empty() || seen.size() * 100 <= samples.background.size()) return -1;
+    for (const Rgb& y : matte.radiance) surfaces.push_back(maxChannel(y));
+    float brightest = *std::max_element(seen.begin(), seen.end());
+    if (inexact && brightest <= quantileOf(surfaces, 0.99)) brightest = quantileOf(seen, 0.95);
+    return double(brightest) / std::max(double(medianOf(std::move(surfaces))), 1e-30);
 }
 
 std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte) {

@@ -47,8 +47,9 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
                                     const std::vector<uint8_t>* componentGlossy = nullptr);
 
 /// Is the background black? Its brightest seen cell over the middle brightness of the surfaces; -1 where less than a
-/// hundredth of it is seen.
-double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte);
+/// hundredth of it is seen. `inexact`: rims of surfaces that the mesh lacks are background too. Cells that are no
+/// brighter than surfaces are then left aside, up to a twentieth of those seen.
+double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte, bool inexact = false);
 
 /// Observations on each material.
 std::vector<size_t> observationsOfComponents(const Scene& scene, const MatteObservations& matte);

@@ -102,7 +102,7 @@ void leaveOutBlackEnvironment(SolveRun& s) {
     logInfo("distant light gives {} % of the light on the surfaces",
             significant(all > 0 ? 100 * distant / all : 0.0, 2));
     // Where the background is seen and black, a little light from beside it is what the fit could not place.
-    const double background = backgroundOverSurfaces(s.in.samples, s.observed.matte);
+    const double background = backgroundOverSurfaces(s.in.samples, s.observed.matte, s.in.options.meshError > 0);
     const bool black = background >= 0 && background < 0.05;
     if (!(distant < (black ? 0.03 : 0.005) * all)) return;
     s.light.environmentBlack = true;

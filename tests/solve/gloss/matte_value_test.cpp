@@ -32,5 +32,21 @@ TEST(MatteValue, ALowQuantileLeavesGlossOut) {
     EXPECT_GT(meanMatteValue(0.5f, 1), 1.9);
 }
 
+TEST(BackgroundOverSurfaces, RimsThatAnInexactMeshLacksAreNoLight) {
+    MatteObservations matte;
+    for (int i = 0; i < 100; ++i) matte.radiance.push_back(Rgb(0.5f + 0.01f * float(i)));
+    RadianceSamples samples;
+    samples.background.assign(size_t(samples.backgroundGrid.cells()), Rgb(0));
+    samples.backgroundPixels.assign(samples.background.size(), 9);
+    EXPECT_EQ(backgroundOverSurfaces(samples, matte), 0);
+    for (size_t c = 0; c < samples.background.size() / 50; ++c) samples.background[c] = Rgb(0.8f);
+    EXPECT_NEAR(backgroundOverSurfaces(samples, matte), 0.8, 0.01);
+    EXPECT_EQ(backgroundOverSurfaces(samples, matte, true), 0);
+    samples.background[0] = Rgb(30);
+    EXPECT_NEAR(backgroundOverSurfaces(samples, matte, true), 30, 0.5) << "brighter than any surface: a light";
+    for (size_t c = 0; c < samples.background.size() / 10; ++c) samples.background[c] = Rgb(0.8f);
+    EXPECT_NEAR(backgroundOverSurfaces(samples, matte, true), 0.8, 0.01) << "more than rims";
+}
+
 }  // namespace
 }  // namespace relamp

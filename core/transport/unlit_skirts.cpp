@@ -1,0 +1,96 @@
+#include "transport/unlit_skirts.h"
+
+#include <algorithm>
+
+#include "base/statistics.h"
+#include "scene/rim.h"
+#include "scene/vertex_rings.h"
+#include "transport/near_field.h"
+
+namespace relamp {
+namespace {
+
+constexpr float blackAlbedo = 0.01f;       ///< no surface has less
+constexpr float wellLit = 0.05f;           ///< of the median light on what photographs show
+constexpr float blackBackground = 0.001f;  ///< of the median brightness of surfaces
+constexpr double rimsOfBackground = 0.1;   ///< fraction of its cells that surfaces may show which the mesh lacks
+constexpr int ringsToSurfaces = 3;
+constexpr size_t leastUnlit = 30;  ///< vertices of a region
+
+/// Largest luminance per vertex; -1 where no photograph shows it.
+std::vector<float> shownAtMost(const RadianceSamples& samples, size_t vertices) {
+    std::vector<float> shown(vertices, -1);
+    for (uint32_t v = 0; v < vertices; ++v)
+        for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k)
+            shown[v] = std::max(shown[v], luminance(samples.samples[k].radiance));
+    return shown;
+}
+
+bool backgroundIsBlack(const RadianceSamples& samples, const std::vector<float>& shown) {
+    std::vector<float> seen, surfaces;
+    for (size_t c = 0; c < samples.background.size(); ++c)
+        if (samples.backgroundPixels[c] >= 4) seen.push_back(maxChannel(samples.background[c]));
+    if (seen.size() * 100 <= samples.background.size()) return false;
+    for (const float y : shown)
+        if (y > 0) surfaces.push_back(y);
+    return !surfaces.empty() &&
+           quantileOf(std::move(seen), 1 - rimsOfBackground) <= blackBackground * medianOf(std::move(surfaces));
+}
+
+}  // namespace
+
+std::vector<uint32_t> unlitSkirts(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
+                                  const std::vector<uint8_t>& leftOut, Progress& progress) {
+    const size_t n = scene.mesh.vertexCount();
+    const std::vector<float> shown = shownAtMost(samples, n);
+    if (clusters.emitters.empty() || samples.states > 1 || !backgroundIsBlack(samples, shown)) return {};
+    const NearField field = computeNearField(scene, clusters, {}, progress);
+    std::vector<float> light(n, 0), lit;
+    for (uint32_t v = 0; v < n; ++v) {
+        for (size_t e = 0; e < field.emitters; ++e)
+            light[v] += field.at(v, e) * luminance(clusters.emitters[e].radiance);
+        if (shown[v] >= 0 && light[v] > 0) lit.push_back(light[v]);
+    }
+    if (lit.empty()) return {};
+    const float least = wellLit * medianOf(std::move(lit));
+    enum : uint8_t { unknown, black, surface };
+    std::vector<uint8_t> kind(n, unknown);
+    std::vector<uint32_t> surfaces;
+    for (uint32_t v = 0; v < n; ++v) {
+        if (shown[v] < 0 && !leftOut[v]) continue;
+        const float most = std::max(blackAlbedo * light[v], 3 * samples.noiseFloor);
+        if (leftOut[v] || shown[v] > most) kind[v] = surface, surfaces.push_back(v);
+        else if (light[v] > least && most < 2 * blackAlbedo * light[v]) kind[v] = black;
+    }
+    const std::vector<int> rings = ringsAbout(scene.graph, ringsToSurfaces, surfaces);
+    const std::vector<uint8_t> rim = rimVertices(scene.mesh);
+    std::vector<uint8_t> visited(n, 0), skirt(n, 0);
+    for (uint32_t seed = 0; seed < n; ++seed) {
+        if (visited[seed] || kind[seed] != black || rings[seed] >= 0) continue;
+        // From black vertices to black ones, and to those that no photograph shows.
+        std::vector<uint32_t> region{seed};
+        visited[seed] = 1;
+        size_t certain = 0, atRim = 0;
+        for (size_t i = 0; i < region.size(); ++i) {
+            const uint32_t v = region[i];
+            certain += kind[v] == black && rings[v] < 0;
+            atRim += rim[v];
+            for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k) {
+                const uint32_t to = scene.graph.to[k];
+                if (visited[to] || !(kind[to] == black || (shown[to] < 0 && rings[to] < 0))) continue;
+                visited[to] = 1;
+                region.push_back(to);
+            }
+        }
+        if (certain < leastUnlit || atRim == 0) continue;
+        for (const uint32_t v : region) skirt[v] = 1;
+    }
+    std::vector<uint32_t> triangles;
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        const Triangle& at = scene.mesh.triangles[t];
+        if (skirt[at[0]] && skirt[at[1]] && skirt[at[2]]) triangles.push_back(t);
+    }
+    return triangles;
+}
+
+}  // namespace relamp
