@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/estimates.h"
+#include "transport/near_field.h"
 
 namespace relamp {
 namespace {
@@ -24,10 +25,12 @@ struct LitTable {
         samples.background.assign(size_t(samples.backgroundGrid.cells()), Rgb(sky));
         samples.backgroundPixels.assign(samples.background.size(), 9);
         samples.start.push_back(0);
+        Progress progress;
+        const NearField field = computeNearField(scene, clusters, {}, progress);
         for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
             const Vec3 p = scene.mesh.positions[v];
             const bool table = p.z < 0.1f && std::max(std::abs(p.x), std::abs(p.y)) < half;
-            const Rgb shown(p.z > 0.1f ? 20 : table ? 0.1f + 0.05f * p.x : sky);
+            const Rgb shown(p.z > 0.1f ? 20 : table ? 0.5f * field.at(v, 0) * 20 : sky);
             for (uint32_t view = 0; view < 6; ++view) samples.samples.push_back({view, shown, 1, false});
             samples.start.push_back(uint32_t(samples.samples.size()));
         }
@@ -69,6 +72,16 @@ TEST(UnlitSkirts, ABlackPatchAwayFromTheRimStays) {
         const bool patch = p.z < 0.1f && glm::length(Vec2(p) - Vec2(0.5f, 0)) < 0.3f;
         for (uint32_t k = table.samples.start[v]; k < table.samples.start[v + 1]; ++k)
             table.samples.samples[k].radiance = patch ? Rgb(0) : glm::max(table.samples.samples[k].radiance, Rgb(0.1f));
+    }
+    EXPECT_TRUE(table.skirts().empty());
+}
+
+TEST(UnlitSkirts, ALightThatFadesLeavesSurfacesDark) {
+    LitTable table;
+    for (uint32_t v = 0; v < table.scene.mesh.vertexCount(); ++v) {
+        const float from = glm::length(Vec2(table.scene.mesh.positions[v]));
+        for (uint32_t k = table.samples.start[v]; k < table.samples.start[v + 1]; ++k)
+            table.samples.samples[k].radiance *= std::clamp((0.9f - from) / 0.5f, 0.0f, 1.0f);
     }
     EXPECT_TRUE(table.skirts().empty());
 }
