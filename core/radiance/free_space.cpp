@@ -3,7 +3,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <functional>
 
 #include "base/parallel.h"
 #include "base/statistics.h"
@@ -11,6 +10,7 @@
 #include "radiance/agreement.h"
 #include "radiance/background_cells.h"
 #include "radiance/random_walker.h"
+#include "scene/connected_region.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -163,28 +163,14 @@ std::vector<float> overNeighbours(const Scene& scene, std::vector<float> value) 
     return value;
 }
 
-/// Connected vertices for which `joins` holds, from `seed` on; marks them in `visited`.
-std::vector<uint32_t> regionOf(const Scene& scene, uint32_t seed, std::vector<uint8_t>& visited,
-                               const std::function<bool(uint32_t)>& joins) {
-    std::vector<uint32_t> region(1, seed);
-    visited[seed] = 1;
-    for (size_t i = 0; i < region.size(); ++i)
-        for (uint32_t e = scene.graph.start[region[i]]; e < scene.graph.start[region[i] + 1]; ++e) {
-            const uint32_t w = scene.graph.to[e];
-            if (visited[w] || !joins(w)) continue;
-            visited[w] = 1;
-            region.push_back(w);
-        }
-    return region;
-}
-
 /// What was labelled anew without being connected with anything that was found: an edge of a surface, such as a
 /// table's.
 void dropIslands(const Scene& scene, const std::vector<uint8_t>& found, std::vector<uint8_t>& skirt) {
     std::vector<uint8_t> visited(skirt.size(), 0);
     for (uint32_t seed = 0; seed < skirt.size(); ++seed) {
         if (!skirt[seed] || visited[seed]) continue;
-        const std::vector<uint32_t> island = regionOf(scene, seed, visited, [&](uint32_t v) { return skirt[v] != 0; });
+        const std::vector<uint32_t> island =
+            connectedRegion(scene.graph, seed, visited, [&](uint32_t v) { return skirt[v] != 0; });
         if (std::any_of(island.begin(), island.end(), [&](uint32_t v) { return found[v] != 0; })) continue;
         for (const uint32_t v : island) skirt[v] = 0;
     }
@@ -196,7 +182,8 @@ void addIslands(const Scene& scene, size_t largest, const std::vector<uint8_t>& 
     std::vector<uint8_t> visited(skirt.size(), 0);
     for (uint32_t seed = 0; seed < skirt.size(); ++seed) {
         if (before[seed] || visited[seed]) continue;
-        const std::vector<uint32_t> island = regionOf(scene, seed, visited, [&](uint32_t v) { return !before[v]; });
+        const std::vector<uint32_t> island =
+            connectedRegion(scene.graph, seed, visited, [&](uint32_t v) { return !before[v]; });
         if (island.size() > largest ||
             std::any_of(island.begin(), island.end(), [&](uint32_t v) { return isLight[v]; }))
             continue;
@@ -274,7 +261,8 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples
     std::vector<uint8_t> skirt(better.size(), 0), visited = skirt;
     for (uint32_t seed = 0; seed < better.size(); ++seed) {
         if (!(around[seed] < 0) || visited[seed]) continue;
-        const std::vector<uint32_t> region = regionOf(scene, seed, visited, [&](uint32_t v) { return around[v] < 0; });
+        const std::vector<uint32_t> region =
+            connectedRegion(scene.graph, seed, visited, [&](uint32_t v) { return around[v] < 0; });
         size_t refuted = 0, telling = 0, atRim = 0;
         for (const uint32_t v : region) {
             refuted += better[v] < -alike;

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "base/statistics.h"
+#include "radiance/seen_background.h"
+#include "scene/connected_region.h"
 #include "scene/rim.h"
 #include "scene/vertex_rings.h"
 #include "transport/near_field.h"
@@ -28,13 +30,10 @@ std::vector<float> shownAtMost(const RadianceSamples& samples, size_t vertices) 
 }
 
 bool backgroundIsBlack(const RadianceSamples& samples, const std::vector<float>& shown) {
-    std::vector<float> seen, surfaces;
-    for (size_t c = 0; c < samples.background.size(); ++c)
-        if (samples.backgroundPixels[c] >= 4) seen.push_back(maxChannel(samples.background[c]));
-    if (seen.size() * 100 <= samples.background.size()) return false;
+    std::vector<float> seen = seenBackground(samples), surfaces;
     for (const float y : shown)
         if (y > 0) surfaces.push_back(y);
-    return !surfaces.empty() &&
+    return !seen.empty() && !surfaces.empty() &&
            quantileOf(std::move(seen), 1 - rimsOfBackground) <= blackBackground * medianOf(std::move(surfaces));
 }
 
@@ -86,19 +85,13 @@ std::vector<uint32_t> unlitSkirts(const Scene& scene, const RadianceSamples& sam
     for (uint32_t seed = 0; seed < n; ++seed) {
         if (visited[seed] || all.kind[seed] != Lit::black || rings[seed] >= 0) continue;
         // From black vertices to black ones, and to those that no photograph shows.
-        std::vector<uint32_t> region{seed};
-        visited[seed] = 1;
+        const std::vector<uint32_t> region = connectedRegion(scene.graph, seed, visited, [&](uint32_t v) {
+            return all.kind[v] == Lit::black || (shown[v] < 0 && rings[v] < 0);
+        });
         size_t certain = 0, atRim = 0;
-        for (size_t i = 0; i < region.size(); ++i) {
-            const uint32_t v = region[i];
+        for (const uint32_t v : region) {
             certain += all.kind[v] == Lit::black && rings[v] < 0;
             atRim += rim[v];
-            for (uint32_t k = scene.graph.start[v]; k < scene.graph.start[v + 1]; ++k) {
-                const uint32_t to = scene.graph.to[k];
-                if (visited[to] || !(all.kind[to] == Lit::black || (shown[to] < 0 && rings[to] < 0))) continue;
-                visited[to] = 1;
-                region.push_back(to);
-            }
         }
         if (certain < leastUnlit || atRim == 0) continue;
         // A light that is directed leaves surfaces dark too, and fades towards them.

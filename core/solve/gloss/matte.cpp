@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/statistics.h"
+#include "radiance/seen_background.h"
 #include "radiance/state_parts.h"
 #include "radiance/view_spread.h"
 
@@ -168,10 +169,9 @@ MatteObservations matteObservations(const Scene& scene, const RadianceSamples& s
 }
 
 double backgroundOverSurfaces(const RadianceSamples& samples, const MatteObservations& matte, bool inexact) {
-    std::vector<float> seen, surfaces;
-    for (size_t c = 0; c < samples.background.size(); ++c)
-        if (samples.backgroundPixels[c] >= 4) seen.push_back(maxChannel(samples.background[c]));
-    if (matte.radiance.empty() || seen.size() * 100 <= samples.background.size()) return -1;
+    const std::vector<float> seen = seenBackground(samples);
+    std::vector<float> surfaces;
+    if (matte.radiance.empty() || seen.empty()) return -1;
     for (const Rgb& y : matte.radiance) surfaces.push_back(maxChannel(y));
     float brightest = *std::max_element(seen.begin(), seen.end());
     if (inexact && brightest <= quantileOf(surfaces, 0.99)) brightest = quantileOf(seen, 0.95);
