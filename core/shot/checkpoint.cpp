@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr char magic[8] = {'r', 'e', 'l', 'a', 'm', 'p', 'C', 'P'};
-constexpr uint32_t formatVersion = 15;
+constexpr uint32_t formatVersion = 16;
 
 struct CheckpointHeader {
     char magic[8];

@@ -252,6 +252,7 @@ void fields(File& f, SolveCheckpoint& c) {
     listOf(f, c.firstGloss, [&](ComponentGloss& g) { fields(f, g); });
     f.plain(c.metalsHeard);
     f.plain(c.metalsJoined);
+    f.plain(c.glossSettled);
     f.plain(c.lightUnfinished);
     list(f, c.information);
     for (std::vector<double>& observations : c.informationOfObservations) list(f, observations);

@@ -28,7 +28,7 @@ struct SolveCheckpoint {
     std::vector<Rgb> matteRadiance, matteSigma;  ///< of the observations, without what coatings reflect; empty: as seen
     PriorStrength lightSmoothness, albedoSmoothness;
     std::vector<ComponentGloss> gloss, firstGloss;
-    bool metalsHeard = false, metalsJoined = false, lightUnfinished = false;
+    bool metalsHeard = false, metalsJoined = false, glossSettled = false, lightUnfinished = false;
     std::vector<double>
         information;  ///< what fixed the light (LightInformation): columns of `all` from the diagonal down
     std::vector<double> informationOfObservations[3], informationSeen[3];

@@ -1,7 +1,7 @@
 #include "transport/incident.h"
 
 #include "base/parallel.h"
-#include "base/random.h"
+#include "transport/shared_directions.h"
 
 namespace relamp {
 
@@ -95,92 +95,43 @@ Rgb lightOfRow(const float* row, const Lighting& lighting) {
     return sum;
 }
 
-void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters,
-                     const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
-                     uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row, Rgb* mirrored) {
-    const size_t columns = leaves.size() + emitters.size();
+void glossyInfluence(const DirectionScene& in, const SharedDirections& shared, const Lobe& lobe, const Vec3& towardEye,
+                     const LobeRowOptions& options, float* row, Rgb* mirrored) {
+    const size_t leaves = in.leaves.size(), columns = leaves + in.emitters.size();
     std::fill(row, row + columns, 0.0f);
     if (mirrored) *mirrored = Rgb(0);
-    const Vec3 normal = scene.mesh.normals[vertex], position = scene.mesh.positions[vertex];
-    if (glm::dot(normal, towardEye) <= 1e-3f) return;
-    const Mat3 frame = frameAround(normal, leaves.axes());
-    const Vec3 eye = glm::transpose(frame) * towardEye;
-    const Vec3 origin = rayOrigin(scene, position, normal);
-    const int environment = leaves.environmentOf(options.state);
-
-    // Emitter samples: density per steradian of one emitter's sampler is cos / (pi x unshadowed form factor).
-    thread_local std::vector<EmitterSample> samples;
-    thread_local std::vector<float> totals;
-    totals.assign(emitters.size(), 0);
+    if (glm::dot(in.scene.mesh.normals[shared.vertex], towardEye) <= 1e-3f) return;
+    const Vec3 eye = glm::transpose(shared.frame) * towardEye;
     // Directions are drawn from the lobe, from the cosine, which reaches far from the lobe's peak where a bright sky
     // still counts, and from emitters.
-    const auto directionDensity = [&](const Vec3& light) {
+    const auto densityOf = [&](const Vec3& light) {
         return ggxSampleDensity(light, eye, lobe.alpha) * float(options.lobeSamples) +
                light.z / pi * float(options.cosineSamples);
     };
-    for (size_t e = 0; e < emitters.size(); ++e) {
-        totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples,
-                                  mixBits(options.seed + scene.rank[vertex]) + e, samples);
-        for (const EmitterSample& s : samples) {
-            if (s.visible == 0) continue;
-            const Vec3 light = glm::transpose(frame) * s.direction;
-            if (light.z <= 0) continue;
-            const float areaDensity = light.z / (pi * totals[e]) * float(samples.size());
-            const float evenness = s.formFactor * float(samples.size()) /
-                                   totals[e];  // 1 but for what a sample stands for more or less than its fraction
-            row[leaves.size() + e] +=
-                s.level * evenness * evaluateLobe(lobe, light, eye) * light.z / (areaDensity + directionDensity(light));
-        }
-    }
-    const Vec2 shift = randomShift(options.seed, scene.rank[vertex], 7);
-    Ray rays[8];
-    Hit hits[8];
-    Vec3 local[8];
-    int pending = 0;
-    const auto flush = [&] {
-        if (!pending) return;
-        scene.tracer->closest8({rays, size_t(pending)}, {hits, size_t(pending)});
-        for (int i = 0; i < pending; ++i) {
-            const float density = directionDensity(local[i]);
-            if (!(density > 0)) continue;
-            const float value = evaluateLobe(lobe, local[i], eye) * local[i].z;
-            if (!hits[i]) {
-                if (environment < 0) continue;
-                row[leaves.leafOf(rays[i].direction, size_t(environment))] +=
-                    options.shapeAt(rays[i].direction, environment) * value / density;
-                continue;
-            }
-            const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
-            if (e < 0 && mirrored && options.outgoing &&
-                glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0) {
-                *mirrored += value / density * options.outgoingAt(scene, hits[i]);
-            }
-            if (e < 0 || !(totals[size_t(e)] > 0)) continue;
-            if (!emitters[size_t(e)].twoSided &&
-                glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
-                continue;
-            const float areaDensity = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-            const float level =
-                emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction, -rays[i].direction);
-            row[leaves.size() + size_t(e)] += level * value / (areaDensity + density);
-        }
-        pending = 0;
+    for (const MetLight& m : shared.emitters)
+        row[m.column] += m.level * evaluateLobe(lobe, m.local, eye) * m.local.z / (m.areaDensity + densityOf(m.local));
+    const auto take = [&](const MetLight& m) {
+        const float density = densityOf(m.local);
+        if (!(density > 0)) return;
+        const float value = evaluateLobe(lobe, m.local, eye) * m.local.z;
+        if (m.column != MetLight::none) row[m.column] += m.level * value / (m.areaDensity + density);
+        else if (mirrored) *mirrored += value / density * m.outgoing;
     };
-    const auto shoot = [&](const Vec3& light) {
-        if (light.z <= 0) return;
-        local[pending] = light;
-        rays[pending++] = {origin, frame * light, 0, 1e30f};
-        if (pending == 8) flush();
-    };
-    for (int i = 0; i < options.lobeSamples; ++i) shoot(sampleGgx(eye, lobe.alpha, r2Point(uint32_t(i), shift)));
-    const Vec2 otherShift = randomShift(options.seed, scene.rank[vertex], 8);
-    for (int i = 0; i < options.cosineSamples; ++i) {
-        const Vec2 u = r2Point(uint32_t(i), otherShift);
-        const float radius = std::sqrt(u.x), angle = 2 * pi * u.y;
-        shoot({radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1 - u.x))});
-    }
-    flush();
-    for (size_t e = 0; options.levels && e < emitters.size(); ++e) row[leaves.size() + e] *= options.levelOf(e);
+    thread_local std::vector<MetLight> met;
+    met.clear();
+    drawFromLobes(in, shared, eye, {&lobe.alpha, 1}, options.lobeSamples, 7, options, met);
+    for (const MetLight& m : met) take(m);
+    for (const MetLight& m : shared.cosine) take(m);
+    for (size_t e = 0; options.levels && e < in.emitters.size(); ++e) row[leaves + e] *= options.levelOf(e);
+}
+
+void glossyInfluence(const Scene& scene, const std::vector<EmitterSurface>& emitters,
+                     const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
+                     uint32_t vertex, const Vec3& towardEye, const LobeRowOptions& options, float* row, Rgb* mirrored) {
+    const DirectionScene in{scene, emitters, emitterOfTriangle, leaves};
+    SharedDirections shared;
+    drawSharedDirections(in, vertex, options, shared);
+    glossyInfluence(in, shared, lobe, towardEye, options, row, mirrored);
 }
 
 }  // namespace relamp

@@ -91,14 +91,14 @@ auto fieldsOf(SolveCheckpoint& c) {
     auto& [step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack, refined,
            bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedFraction, noBounceBecause,
            vertexBounce, outgoing, matteRadiance, matteSigma, lightSmoothness, albedoSmoothness, gloss, firstGloss,
-           metalsHeard, metalsJoined, lightUnfinished, information, informationOfObservations, informationSeen, albedo,
-           confidence, palette, timeline, kktResidual, plan, patchUsed] = c;
+           metalsHeard, metalsJoined, glossSettled, lightUnfinished, information, informationOfObservations,
+           informationSeen, albedo, confidence, palette, timeline, kktResidual, plan, patchUsed] = c;
     return std::tie(step, between, seconds, clusters, suspect, leaves, leafRadiance, emitterRadiance, environmentBlack,
                     refined, bounceKept, noMetals, backgroundRefuted, visibilityStep, refinedMisfit, bouncedFraction,
                     noBounceBecause, vertexBounce, outgoing, matteRadiance, matteSigma, lightSmoothness,
-                    albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, lightUnfinished, information,
-                    informationOfObservations, informationSeen, albedo, confidence, palette, timeline, kktResidual,
-                    plan, patchUsed);
+                    albedoSmoothness, gloss, firstGloss, metalsHeard, metalsJoined, glossSettled, lightUnfinished,
+                    information, informationOfObservations, informationSeen, albedo, confidence, palette, timeline,
+                    kktResidual, plan, patchUsed);
 }
 
 /// Makes every field another than it is by default: lists get one entry.

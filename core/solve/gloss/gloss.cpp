@@ -1,10 +1,12 @@
 #include "solve/gloss/gloss.h"
 
+#include <array>
+
 #include "base/log.h"
 #include "base/parallel.h"
-#include "base/random.h"
+#include "solve/gloss/arriving_light.h"
 #include "solve/gloss/lobe_choice.h"
-#include "solve/light/qp.h"
+#include "transport/shared_directions.h"
 
 namespace relamp {
 
@@ -43,6 +45,42 @@ std::vector<GlossyObservation> glossyObservations(const Capture& capture, const 
     return observations;
 }
 
+std::vector<size_t> startsOfVertices(const std::vector<GlossyObservation>& observations) {
+    std::vector<size_t> starts;
+    for (size_t i = 0; i < observations.size(); ++i)
+        if (i == 0 || !observations[i].sharesMatte(observations[i - 1])) starts.push_back(i);
+    starts.push_back(observations.size());
+    return starts;
+}
+
+namespace {
+
+/// `each(i, row, mirrored)` for the row of every observation (glossyInfluence), by all threads.
+template <class Each>
+void forEachRow(const DirectionScene& in, const Lobe& lobe, const std::vector<GlossyObservation>& observations,
+                const LobeRowOptions& options, Progress& progress, const Each& each) {
+    const std::vector<size_t> starts = startsOfVertices(observations);
+    progress.begin("Glossy influence", starts.size() - 1);
+    parallelFor(
+        starts.size() - 1, 4,
+        [&](size_t g) {
+            thread_local SharedDirections shared;
+            thread_local std::vector<float> row;
+            row.resize(in.leaves.size() + in.emitters.size());
+            LobeRowOptions here = options;
+            here.state = observations[starts[g]].state;
+            drawSharedDirections(in, observations[starts[g]].vertex, here, shared);
+            for (size_t i = starts[g]; i < starts[g + 1]; ++i) {
+                Rgb mirrored(0);
+                glossyInfluence(in, shared, lobe, observations[i].towardEye, here, row.data(), &mirrored);
+                each(i, row.data(), mirrored);
+            }
+        },
+        &progress);
+}
+
+}  // namespace
+
 InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>& emitters,
                            const std::vector<int>& emitterOfTriangle, const LightLeaves& leaves, const Lobe& lobe,
                            const std::vector<GlossyObservation>& observations, const LobeRowOptions& options,
@@ -52,20 +90,17 @@ InfluenceMatrix glossyRows(const Scene& scene, const std::vector<EmitterSurface>
     matrix.columns = leaves.size() + emitters.size();
     matrix.values.assign(matrix.rows * matrix.columns, 0.0f);
     if (mirrored) mirrored->assign(observations.size(), Rgb(0));
-    progress.begin("Glossy influence", observations.size());
-    parallelFor(
-        observations.size(), 16,
-        [&](size_t i) {
-            LobeRowOptions here = options;
-            here.state = observations[i].state;
-            glossyInfluence(scene, emitters, emitterOfTriangle, leaves, lobe, observations[i].vertex,
-                            observations[i].towardEye, here, matrix.row(i), mirrored ? &(*mirrored)[i] : nullptr);
-        },
-        &progress);
+    const DirectionScene in{scene, emitters, emitterOfTriangle, leaves};
+    forEachRow(in, lobe, observations, options, progress, [&](size_t i, const float* row, const Rgb& shown) {
+        std::copy(row, row + matrix.columns, matrix.row(i));
+        if (mirrored) (*mirrored)[i] = shown;
+    });
     return matrix;
 }
 
 namespace {
+
+constexpr std::array<float, 2> roughnessSteps{1.16f, 1.07f};
 
 /// Residual and weight of one lobe: per vertex the Lambert part is eliminated, held at zero where it would be negative.
 struct LobeFit {
@@ -77,10 +112,7 @@ struct LobeFit {
 LobeFit fitLobe(const std::vector<GlossyObservation>& observations, const std::vector<Rgb>& response,
                 bool withLambert) {
     LobeFit fit;
-    std::vector<size_t> starts;  // observations are grouped by vertex and state
-    for (size_t i = 0; i < observations.size(); ++i)
-        if (i == 0 || !observations[i].sharesMatte(observations[i - 1])) starts.push_back(i);
-    starts.push_back(observations.size());
+    const std::vector<size_t> starts = startsOfVertices(observations);
     std::vector<float> robust(observations.size(), 1);
     std::vector<uint8_t> zero(starts.size() * 3, 0);
     std::vector<Rgb> residual(observations.size());
@@ -156,21 +188,67 @@ std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting
     return mirrored;
 }
 
-/// Residual of each lobe but the first with or without a Lambert part, whichever is less, from directions that all
-/// lobes share.
-std::vector<float> screenLobes(const Scene& scene, const std::vector<EmitterSurface>& emitters,
-                               const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
-                               const std::vector<Lobe>& lobes, const std::vector<GlossyObservation>& observations,
-                               const LobeRowOptions& options, Progress& progress) {
-    const std::vector<std::vector<Rgb>> response =
-        lobeResponses(scene, emitters, emitterOfTriangle, lighting, lobes, observations, options, progress);
-    std::vector<float> residual(lobes.size(), 0);
-    parallelFor(lobes.size(), 1, [&](size_t k) {
-        if (k > 0)
-            residual[k] = float(std::min(fitLobe(observations, response[k], true).residual,
-                                         fitLobe(observations, response[k], false).residual));
-    });
-    return residual;
+/// What one lobe of weight 1 sends at each observation, from directions of its own.
+std::vector<Rgb> ownResponse(const DirectionScene& in, const Lighting& lighting, const Lobe& lobe,
+                             const std::vector<GlossyObservation>& observations, const LobeRowOptions& options,
+                             Progress& progress) {
+    std::vector<Rgb> response(observations.size());
+    forEachRow(in, lobe, observations, options, progress,
+               [&](size_t i, float* row, Rgb& mirrored) { response[i] = mirrored + lightOfRow(row, lighting); });
+    return response;
+}
+
+/// A lobe with and without a Lambert part beside it.
+struct LobeTrial {
+    LobeFit both, alone;
+    bool metal = false;  ///< the Lambert part does not earn its unknowns
+    LobeTrial(const std::vector<GlossyObservation>& observations, const std::vector<Rgb>& response, float lambertGain)
+        : both(fitLobe(observations, response, true)),
+          alone(fitLobe(observations, response, false)),
+          metal(alone.residual < double(lambertGain) * both.residual) {}
+    const LobeFit& fit() const { return metal ? alone : both; }
+};
+
+/// Per kind the lobe of the basis that explains most, where one comes near the best of all, with the roughness between
+/// those of the basis that explains still more: by directions that all share. Empty where even the best explains too
+/// little.
+std::vector<Lobe> screenLobes(const ArrivingLight& arriving, const BrdfBasis& basis,
+                              const std::vector<GlossyObservation>& observations, const GlossOptions& options,
+                              float residualMatte) {
+    constexpr double beaten = 1.08;
+    const size_t n = basis.lobes.size();
+    std::vector<double> residual(n, 1e300);
+    for (size_t k = 1; k < n; ++k) {
+        const LobeTrial trial(observations, arriving.through(basis.lobes[k]), options.lambertGain);
+        residual[k] = std::min(trial.both.residual, trial.alone.residual);
+    }
+    const double least = *std::min_element(residual.begin() + 1, residual.end());
+    if (options.lambertGain < 1e6f && !(least < double(std::max(0.92f, options.leastGain + 0.02f) * residualMatte)))
+        return {};
+    std::vector<Lobe> chosen;
+    for (size_t k = 1; k < n; ++k) {
+        const bool bestOfKind = std::none_of(basis.lobes.begin() + 1, basis.lobes.end(), [&](const Lobe& l) {
+            const size_t other = size_t(&l - basis.lobes.data());
+            return l.kind == basis.lobes[k].kind &&
+                   (residual[other] < residual[k] || (residual[other] == residual[k] && other < k));
+        });
+        if (!bestOfKind || !(residual[k] <= beaten * least)) continue;
+        Lobe lobe = basis.lobes[k];
+        double best = LobeTrial(observations, arriving.through(lobe), options.lambertGain).fit().residual;
+        for (const float step : roughnessSteps)
+            for (const float factor : {step, 1 / step}) {
+                const Lobe other = withRoughness(lobe, factor);
+                if (other.alpha == lobe.alpha) continue;
+                const double there =
+                    LobeTrial(observations, arriving.through(other), options.lambertGain).fit().residual;
+                if (!(there < best)) continue;
+                best = there;
+                lobe = other;
+                break;
+            }
+        chosen.push_back(std::move(lobe));
+    }
+    return chosen;
 }
 
 }  // namespace
@@ -214,38 +292,31 @@ ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const Radian
     result.residualMatte = result.residual = float(without.residual);
     double best = options.lambertGain > 1e6f ? 1e300 : without.residual;
     float gain = 1;  // the residual must fall below this fraction of the best
+    const DirectionScene in{scene, emitters, emitterOfTriangle, lighting.leaves};
     const auto attempt = [&](const Lobe& lobe) {
-        std::vector<Rgb> mirrored;
-        const InfluenceMatrix rows = glossyRows(scene, emitters, emitterOfTriangle, lighting.leaves, lobe,
-                                                result.observations, options.rows, progress, &mirrored);
-        const std::vector<Rgb> response = responses(rows, lighting, std::move(mirrored));
-        const LobeFit both = fitLobe(result.observations, response, true),
-                      alone = fitLobe(result.observations, response, false);
-        const bool metal = alone.residual < double(options.lambertGain) * both.residual;
-        const LobeFit& fit = metal ? alone : both;
+        const LobeTrial trial(result.observations,
+                              ownResponse(in, lighting, lobe, result.observations, options.rows, progress),
+                              options.lambertGain);
+        const LobeFit& fit = trial.fit();
         if (fit.residual >= double(gain) * best) return false;
         best = fit.residual;
         result.lobe = lobe;
         result.weight = glm::min(fit.weight, Rgb(4));
-        result.matte = !metal;
+        result.matte = !trial.metal;
         result.residual = float(fit.residual);
         return true;
     };
     const bool few = options.mostLobes <= 1 && std::all_of(basis.lobes.begin(), basis.lobes.end(), [](const Lobe& l) {
                          return l.kind <= Lobe::Kind::ggxDielectric;
                      });
-    if (few) {
-        const bool screen = options.screen && basis.lobes.size() > 2;
-        const std::vector<float> screened = screen
-                                                ? screenLobes(scene, emitters, emitterOfTriangle, lighting, basis.lobes,
-                                                              result.observations, options.rows, progress)
-                                                : std::vector<float>(basis.lobes.size(), 0);
-        constexpr float beaten = 1.08f;
-        const float least = *std::min_element(screened.begin() + 1, screened.end());
-        const bool useful =
-            options.lambertGain >= 1e6f || least < std::max(0.92f, options.leastGain + 0.02f) * result.residualMatte;
-        for (size_t k = 1; k < basis.lobes.size() && useful; ++k)
-            if (screened[k] <= beaten * least) attempt(basis.lobes[k]);
+    const bool screen = few && options.screen && basis.lobes.size() > 2;
+    if (screen) {
+        const ArrivingLight arriving(scene, emitters, emitterOfTriangle, lighting, result.observations, options.rows,
+                                     progress);
+        for (const Lobe& lobe : screenLobes(arriving, basis, result.observations, options, result.residualMatte))
+            attempt(lobe);
+    } else if (few) {
+        for (size_t k = 1; k < basis.lobes.size(); ++k) attempt(basis.lobes[k]);
     }
     if (!few) {
         const auto response = lobeResponses(scene, emitters, emitterOfTriangle, lighting, basis.lobes,
@@ -267,8 +338,9 @@ ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const Radian
         result.lobe.reset();
         return result;
     }
-    for (float step : {1.16f, 1.07f})
-        if (withRoughness(*result.lobe, step).alpha != result.lobe->alpha &&
+    // Metals show their light sharply: their roughness is sought with directions of their own.
+    for (float step : roughnessSteps)
+        if ((!screen || !result.matte) && withRoughness(*result.lobe, step).alpha != result.lobe->alpha &&
             !attempt(withRoughness(*result.lobe, step)))
             attempt(withRoughness(*result.lobe, 1 / step));
     // A coating over a matte surface reflects all colours alike [Shafer85]; where it seems coloured, the light is not

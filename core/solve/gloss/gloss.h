@@ -62,6 +62,9 @@ std::vector<GlossyObservation> glossyObservations(const Capture& capture, const 
                                                   const RadianceSamples& samples, uint32_t component,
                                                   const GlossOptions& options);
 
+/// Where each vertex and state begins, and behind them the number of observations.
+std::vector<size_t> startsOfVertices(const std::vector<GlossyObservation>& observations);
+
 /// Fits each lobe of the basis to the component under known light, with the Lambert part of every vertex eliminated,
 /// refines the roughness of the best one, and keeps it where it explains the change between views. A basis of other
 /// kinds than bare and dielectric GGX is pruned to a few candidates first, single lobes and mixtures; a mixture must

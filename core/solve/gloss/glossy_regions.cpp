@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "base/statistics.h"
 #include "scene/surface_cells.h"
-#include "solve/gloss/lobe_choice.h"
+#include "solve/gloss/arriving_light.h"
 
 namespace relamp {
 namespace {

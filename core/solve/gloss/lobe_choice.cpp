@@ -4,118 +4,9 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "base/random.h"
 #include "brdf/projection.h"
-#include "transport/near_field.h"
 
 namespace relamp {
-
-std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vector<EmitterSurface>& emitters,
-                                            const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
-                                            const std::vector<Lobe>& lobes,
-                                            const std::vector<GlossyObservation>& observations,
-                                            const LobeRowOptions& options, Progress& progress) {
-    std::vector<std::vector<Rgb>> responses(lobes.size(), std::vector<Rgb>(observations.size(), Rgb(0)));
-    constexpr std::array<float, 4> widths{0.006f, 0.03f, 0.12f, 0.45f};
-    const int each = std::max(8, options.lobeSamples / 3);
-    progress.begin("Trying lobes", observations.size());
-    parallelFor(
-        observations.size(), 16,
-        [&](size_t at) {
-            struct Arriving {
-                Vec3 direction;  // local
-                Rgb radiance;    // times cosine over density
-            };
-            thread_local std::vector<Arriving> arriving;
-            thread_local std::vector<EmitterSample> samples;
-            thread_local std::vector<float> totals;
-            arriving.clear();
-            const GlossyObservation& observation = observations[at];
-            const Vec3 normal = scene.mesh.normals[observation.vertex],
-                       position = scene.mesh.positions[observation.vertex];
-            if (glm::dot(normal, observation.towardEye) <= 1e-3f) return;
-            const Mat3 frame = frameAround(normal, lighting.leaves.axes());
-            const Vec3 eye = glm::transpose(frame) * observation.towardEye, origin = rayOrigin(scene, position, normal);
-            const auto density = [&](const Vec3& light) {
-                float sum = light.z / pi * float(options.cosineSamples);
-                for (const float alpha : widths) sum += float(each) * ggxSampleDensity(light, eye, alpha);
-                return sum;
-            };
-            LobeRowOptions here = options;
-            here.state = observation.state;
-            const int environment = lighting.leaves.environmentOf(here.state);
-            const std::vector<Rgb> shines = here.shining(lighting);
-            totals.assign(emitters.size(), 0);
-            const uint32_t rank = scene.rank[observation.vertex];
-            for (size_t e = 0; e < emitters.size(); ++e) {
-                totals[e] = sampleEmitter(scene, emitters[e], position, normal, options.emitterSamples,
-                                          mixBits(options.seed + rank) + e, samples);
-                for (const EmitterSample& s : samples) {
-                    const Vec3 light = glm::transpose(frame) * s.direction;
-                    if (s.visible == 0 || light.z <= 0) continue;
-                    const float area = light.z / (pi * totals[e]) * float(samples.size()),
-                                evenness = s.formFactor * float(samples.size()) / totals[e];
-                    arriving.push_back({light, shines[e] * (s.level * evenness * light.z / (area + density(light)))});
-                }
-            }
-            Ray rays[8];
-            Hit hits[8];
-            Vec3 local[8];
-            size_t pending = 0;
-            const auto flush = [&] {
-                if (!pending) return;
-                scene.tracer->closest8({rays, pending}, {hits, pending});
-                for (size_t i = 0; i < pending; ++i) {
-                    const float drawn = density(local[i]);
-                    if (!(drawn > 0)) continue;
-                    if (!hits[i]) {
-                        if (environment < 0) continue;
-                        const float shape = options.shapeAt(rays[i].direction, environment);
-                        const size_t leaf = lighting.leaves.leafOf(rays[i].direction, size_t(environment));
-                        arriving.push_back({local[i], lighting.leafRadiance[leaf] * (shape * local[i].z / drawn)});
-                        continue;
-                    }
-                    const int e = emitterOfTriangle.empty() ? -1 : emitterOfTriangle[hits[i].triangle];
-                    if (e < 0 && options.outgoing &&
-                        glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) < 0)
-                        arriving.push_back({local[i], here.outgoingAt(scene, hits[i]) * (local[i].z / drawn)});
-                    if (e < 0 || !(totals[size_t(e)] > 0)) continue;
-                    if (!emitters[size_t(e)].twoSided &&
-                        glm::dot(scene.mesh.faceNormal(hits[i].triangle), rays[i].direction) >= 0)
-                        continue;
-                    const float area = local[i].z / (pi * totals[size_t(e)]) * float(options.emitterSamples);
-                    const float level =
-                        emitters[size_t(e)].levelAt(origin + hits[i].distance * rays[i].direction, -rays[i].direction);
-                    arriving.push_back({local[i], shines[size_t(e)] * (level * local[i].z / (area + drawn))});
-                }
-                pending = 0;
-            };
-            const auto shoot = [&](const Vec3& light) {
-                if (light.z <= 0) return;
-                local[pending] = light;
-                rays[pending++] = {origin, frame * light, 0, 1e30f};
-                if (pending == 8) flush();
-            };
-            for (size_t w = 0; w < widths.size(); ++w) {
-                const Vec2 shift = randomShift(options.seed, rank, 11 + w);
-                for (int i = 0; i < each; ++i) shoot(sampleGgx(eye, widths[w], r2Point(uint32_t(i), shift)));
-            }
-            const Vec2 shift = randomShift(options.seed, rank, 8);
-            for (int i = 0; i < options.cosineSamples; ++i) {
-                const Vec2 u = r2Point(uint32_t(i), shift);
-                const float radius = std::sqrt(u.x), angle = 2 * pi * u.y;
-                shoot({radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1 - u.x))});
-            }
-            flush();
-            for (size_t k = 1; k < lobes.size(); ++k) {
-                Rgb sum(0);
-                for (const Arriving& a : arriving) sum += evaluateLobe(lobes[k], a.direction, eye) * a.radiance;
-                responses[k][at] = sum;
-            }
-        },
-        &progress);
-    return responses;
-}
 
 namespace {
 
@@ -142,10 +33,7 @@ std::vector<LobeChoice> chooseLobes(const std::vector<Lobe>& lobes, const std::v
                                     const std::vector<GlossyObservation>& observations, bool withLambert,
                                     size_t mostLobes) {
     const size_t n = lobes.size(), count = observations.size();
-    std::vector<size_t> starts;
-    for (size_t i = 0; i < count; ++i)
-        if (i == 0 || !observations[i].sharesMatte(observations[i - 1])) starts.push_back(i);
-    starts.push_back(count);
+    const std::vector<size_t> starts = startsOfVertices(observations);
     std::vector<float> robust(count, 1);
     std::vector<LobeChoice> choices;
     constexpr int rounds = 3;

@@ -1,20 +1,9 @@
 // Which lobes of a large basis a component of surface needs: all are tried on the same rays, and a few are kept.
 #pragma once
-#include "base/progress.h"
 #include "brdf/basis.h"
 #include "solve/gloss/gloss.h"
 
 namespace relamp {
-
-/// Radiance that each lobe of weight 1 would send at each observation under the light: result[lobe][observation].
-/// Directions are drawn once an observation, from GGX of four widths, the cosine and the emitters, combined by multiple
-/// importance sampling [Veach97], and serve all lobes. Lobe 0 (Lambert) is skipped: zeros. Cost: observations x (4
-/// rows.lobeSamples / 3 + rows.cosineSamples) rays, and as many evaluations a lobe. Same bits on any number of threads.
-std::vector<std::vector<Rgb>> lobeResponses(const Scene& scene, const std::vector<EmitterSurface>& emitters,
-                                            const std::vector<int>& emitterOfTriangle, const Lighting& lighting,
-                                            const std::vector<Lobe>& lobes,
-                                            const std::vector<GlossyObservation>& observations,
-                                            const LobeRowOptions& rows, Progress& progress);
 
 /// A lobe, or a mixture of up to `mostLobes`, with weights above 0, and what it leaves unexplained.
 struct LobeChoice {

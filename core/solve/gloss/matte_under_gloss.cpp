@@ -1,6 +1,7 @@
 #include "solve/gloss/matte_under_gloss.h"
 
 #include "base/parallel.h"
+#include "transport/shared_directions.h"
 
 namespace relamp {
 
@@ -11,6 +12,7 @@ void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceS
     std::vector<size_t> here;
     for (size_t i = 0; i < matte.vertices.size(); ++i)
         if (scene.material[matte.vertices[i]] == gloss.component) here.push_back(i);
+    const DirectionScene in{scene, emitters, emitterOfTriangle, lighting.leaves};
     progress.begin("Matte under gloss", here.size());
     parallelFor(
         here.size(), 16,
@@ -27,14 +29,15 @@ void matteUnderGloss(const Capture& capture, const Scene& scene, const RadianceS
             };
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
                 if (counts(samples.samples[s])) best = std::max(best, samples.samples[s].weight);
+            thread_local SharedDirections shared;
+            drawSharedDirections(in, v, rows, shared);
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
                 const RadianceSample& r = samples.samples[s];
                 if (!counts(r) || r.weight < 0.2f * best) continue;
                 const Vec3 towardEye =
                     glm::normalize(Vec3(capture.views[r.view].camera.position()) - scene.mesh.positions[v]);
                 Rgb reflected(0);
-                glossyInfluence(scene, emitters, emitterOfTriangle, lighting.leaves, *gloss.lobe, v, towardEye, rows,
-                                row.data(), &reflected);
+                glossyInfluence(in, shared, *gloss.lobe, towardEye, rows, row.data(), &reflected);
                 coating.push_back(gloss.weight * (lightOfRow(row.data(), lighting) + reflected));
                 usable.push_back(s);
             }

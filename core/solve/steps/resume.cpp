@@ -49,6 +49,7 @@ SolveCheckpoint checkpointOf(const SolveRun& s, uint32_t step, bool between) {
     c.firstGloss = s.gloss.early;
     c.metalsHeard = s.gloss.heard;
     c.metalsJoined = s.gloss.joined;
+    c.glossSettled = s.gloss.settled;
     c.lightUnfinished = s.light.unfinished;
     for (Eigen::Index j = 0; j < s.light.information.all.cols(); ++j)
         c.information.insert(c.information.end(), s.light.information.all.col(j).data() + j,
@@ -121,6 +122,7 @@ void resumeSolve(SolveRun& s, const SolveCheckpoint& c) {
         if (g.lobe) findMeasured(*g.lobe, s.in.options.basis);
     s.gloss.heard = c.metalsHeard;
     s.gloss.joined = c.metalsJoined;
+    s.gloss.settled = c.glossSettled;
     s.light.unfinished = c.lightUnfinished;
     for (size_t k = 0; k < 3; ++k) {
         const Eigen::Index n = Eigen::Index(c.informationSeen[k].size()),

@@ -58,9 +58,11 @@ void glossLightStep(SolveRun& s) {
     }
 }
 
-/// A round of lobe and light behind the usual ones, and no metal that it is for.
-bool leftToMetals(const SolveRun& s, SolveStep step) {
+/// A round of lobe and light that would change nothing: the one before found the coatings it began with. Or one behind
+/// the usual ones, and no metal that it is for.
+bool roundIsNotNeeded(const SolveRun& s, SolveStep step) {
     if (step != SolveStep::glossLight && step != SolveStep::glossSurfaces) return false;
+    if (s.gloss.settled) return true;
     const std::vector<SolveStep> steps = stepsOf(s.in.options);
     const auto round = std::count(steps.begin(), steps.begin() + s.step, step);
     const std::vector<uint8_t>& glossy = s.observed.matte.componentGlossy;
@@ -120,7 +122,7 @@ void runStep(SolveRun& s, SolveStep step, uint32_t index) {
     using enum SolveStep;
     // Without anything to show nothing is given up.
     const bool dispensable = step != firstLight && step != surfaces;
-    if ((dispensable && s.stopped()) || leftToMetals(s, step)) return;
+    if ((dispensable && s.stopped()) || roundIsNotNeeded(s, step)) return;
     s.stepMayBeCut = s.hasMatte() && s.in.options.nearField &&
                      (step == firstLight || step == startLight || step == refineLight || step == glossLight);
     const Lighting before = s.light.lighting;

@@ -55,6 +55,7 @@ void solveReflectance(SolveRun& s) {
     for (ComponentGloss& g : s.gloss.empty() ? s.gloss.early : s.gloss.components)
         if (!fitted[g.component]) found.push_back(std::move(g));
     s.gloss.early.clear();
+    s.gloss.settled = !s.gloss.empty() && s.gloss.sameCoatings(found);
     s.gloss.components = std::move(found);
     for (uint32_t p = 0; p < s.in.scene.materials; ++p)
         fitted[p] = fitted[p] && std::none_of(s.gloss.components.begin(), s.gloss.components.end(),

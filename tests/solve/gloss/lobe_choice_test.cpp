@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "solve/gloss/arriving_light.h"
 #include "support/shapes.h"
 
 namespace relamp {
