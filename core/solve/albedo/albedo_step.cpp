@@ -2,7 +2,6 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "base/parallel.h"
 #include "base/statistics.h"
 #include "solve/albedo/albedo_system.h"
 
@@ -25,16 +24,16 @@ double smoothAcross(const Scene& scene, uint32_t a, uint32_t b) {
 
 AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
                           const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, const std::vector<Rgb>& logAlbedo,
-                          double edge, double typical, int c) {
+                          double edge, const ChannelValues& typical) {
     const size_t n = scene.mesh.vertexCount();
     constexpr double least = 1e-4;  // where nothing is known
-    AlbedoSystem system{Eigen::SparseMatrix<double>(Eigen::Index(n), Eigen::Index(n)),
-                        Eigen::VectorXd::Constant(Eigen::Index(n), least * typical),
-                        {},
-                        std::vector<float>(n, 0)};
-    std::vector<Eigen::Triplet<double>> triplets;
+    AlbedoSystem system;
+    system.matrix.resize(Eigen::Index(n), Eigen::Index(n));
+    system.moment.setConstant(Eigen::Index(n), least * typical);
+    system.own.assign(n, 0);
+    std::vector<Eigen::Triplet<ChannelValues>> triplets;
     triplets.reserve(scene.graph.to.size() + n);
-    std::vector<double> diagonal(n, least);
+    std::vector<ChannelValues> diagonal(n, least);
     for (uint32_t v = 0; v < n; ++v)
         for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
             const uint32_t to = scene.graph.to[e];
@@ -54,25 +53,35 @@ AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, co
             const double weight =
                 1.0 / (double(prior.spread) * prior.spread * (1 + double(glm::dot(d, d)) / 3 / (edge * edge)));
             diagonal[v] += weight;
-            system.moment(Eigen::Index(v)) += weight * double(aim[c]);
+            system.moment(Eigen::Index(v)) += weight * ChannelValues(aim.x, aim.y, aim.z);
         }
-    system.precision.resize(matte.vertices.size(), 0);
-    std::vector<double> precision(n, 0);  // of all lighting states
+    system.precision.resize(matte.vertices.size());
+    std::vector<ChannelValues> precision(n);  // of all lighting states
     for (size_t i = 0; i < matte.vertices.size(); ++i) {
         const uint32_t v = matte.vertices[i];
-        const double l = lit[i][c], y = matte.radiance[i][c], albedo = std::exp(double(logAlbedo[v][c]));
-        const double s2 = std::pow(double(matte.sigma[i][c]), 2) + std::pow(albedo * double(litSigma[i][c]), 2) + 1e-30;
-        if (!(l > 0)) continue;
-        const double model = albedo * l, p = model * model / s2;
-        const double step =
-            y > 0.2 * model && y < 5 * model ? std::log(y / model) : std::clamp(y / model - 1, -1.0, 2.0);
-        diagonal[v] += p;
-        system.moment(Eigen::Index(v)) += p * (double(logAlbedo[v][c]) + step);
-        system.precision[i] = p;
-        precision[v] += p;
-        system.own[v] = float(precision[v] / diagonal[v]);
+        const auto told = [&](int c) -> std::pair<double, double> {
+            const double l = lit[i][c], y = matte.radiance[i][c], log = logAlbedo[v][c], albedo = std::exp(log);
+            const double s2 =
+                std::pow(double(matte.sigma[i][c]), 2) + std::pow(albedo * double(litSigma[i][c]), 2) + 1e-30;
+            if (!(l > 0)) return {0, 0};
+            const double model = albedo * l, p = model * model / s2;
+            const double step =
+                y > 0.2 * model && y < 5 * model ? std::log(y / model) : std::clamp(y / model - 1, -1.0, 2.0);
+            return {p, p * (log + step)};
+        };
+        const auto [red, redMoment] = told(0);
+        const auto [green, greenMoment] = told(1);
+        const auto [blue, blueMoment] = told(2);
+        system.precision[i] = {red, green, blue};
+        diagonal[v] += system.precision[i];
+        precision[v] += system.precision[i];
+        system.moment(Eigen::Index(v)) += ChannelValues(redMoment, greenMoment, blueMoment);
     }
-    for (size_t v = 0; v < n; ++v) triplets.emplace_back(int(v), int(v), diagonal[v]);
+    for (size_t v = 0; v < n; ++v) {
+        triplets.emplace_back(int(v), int(v), diagonal[v]);
+        const ChannelValues fraction = precision[v] / diagonal[v];
+        system.own[v] = float((fraction[0] + fraction[1] + fraction[2]) / 3);
+    }
     system.matrix.setFromTriplets(triplets.begin(), triplets.end());
     return system;
 }
@@ -111,28 +120,24 @@ AlbedoResult solveAlbedo(const Scene& scene, const MatteObservations& matte, con
             if (lit[i][c] > 2 * litSigma[i][c] && matte.radiance[i][c] > 0 && lit[i][c] > 0 && !outshone(i, c))
                 logAlbedo[matte.vertices[i]][c] = std::log(std::clamp(matte.radiance[i][c] / lit[i][c], 1e-4f, 20.0f));
 
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors[3];
-    bool analysed[3] = {false, false, false};
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<ChannelValues>> factor;
+    const ChannelValues logTypical(std::log(typical.x), std::log(typical.y), std::log(typical.z));
     progress.begin("Albedo", size_t(prior.iterations));
     for (int iteration = 0; iteration < prior.iterations; ++iteration) {
         const double annealed = double(prior.edge) * (iteration == 0 ? 3 : 1);
-        std::vector<Rgb> next = logAlbedo;
-        std::vector<std::array<float, 3>> own(n, {0, 0, 0});
-        parallelFor(3, 1, [&](size_t c) {
-            const AlbedoSystem system = albedoSystem(scene, matte, lit, litSigma, prior, logAlbedo, annealed,
-                                                     std::log(double(typical[int(c)])), int(c));
-            for (size_t v = 0; v < n; ++v) own[v][c] = system.own[v];
-            if (!analysed[c]) factors[c].analyzePattern(system.matrix);
-            analysed[c] = true;
-            factors[c].factorize(system.matrix);
-            if (factors[c].info() != Eigen::Success) return;
-            const Eigen::VectorXd solution = factors[c].solve(system.moment);
-            if (!solution.allFinite()) return;
-            for (size_t v = 0; v < n; ++v) next[v][int(c)] = float(std::clamp(solution(Eigen::Index(v)), -10.0, 3.0));
-        });
-        logAlbedo = next;
-        for (size_t v = 0; v < n; ++v) result.confidence[v] = (own[v][0] + own[v][1] + own[v][2]) / 3;
+        AlbedoSystem system = albedoSystem(scene, matte, lit, litSigma, prior, logAlbedo, annealed, logTypical);
+        result.confidence = std::move(system.own);
+        if (iteration == 0) factor.analyzePattern(system.matrix);
+        factor.factorize(system.matrix);
         progress.advance();
+        if (factor.info() != Eigen::Success) continue;
+        const auto solution = factor.solve(system.moment).eval();
+        for (int c = 0; c < 3; ++c) {
+            const auto channel = [&](size_t v) { return solution(Eigen::Index(v))[c]; };
+            bool finite = true;
+            for (size_t v = 0; v < n; ++v) finite &= std::isfinite(channel(v));
+            for (size_t v = 0; v < n && finite; ++v) logAlbedo[v][c] = float(std::clamp(channel(v), -10.0, 3.0));
+        }
     }
     for (size_t v = 0; v < n; ++v) result.albedo[v] = glm::exp(logAlbedo[v]);
     return result;

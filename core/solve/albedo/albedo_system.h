@@ -1,21 +1,21 @@
-// The linear equations of one channel of log albedo, which the albedo step solves and the test of its prior's strength
-// probes.
+// The linear equations of log albedo, which the albedo step solves and the test of its prior's strength probes.
 #pragma once
 #include <Eigen/SparseCore>
 
 #include "solve/albedo/albedo_step.h"
+#include "solve/albedo/channel_values.h"
 
 namespace relamp {
 
-/// The quadratic model of one channel about `logAlbedo` (per mesh vertex): matrix x = moment.
+/// The quadratic model of log albedo about `logAlbedo` (per mesh vertex): matrix x = moment, for all channels at once.
 struct AlbedoSystem {
-    Eigen::SparseMatrix<double> matrix;
-    Eigen::VectorXd moment;
-    std::vector<double> precision;  ///< per observation: what it adds to its vertex's diagonal
-    std::vector<float> own;         ///< per mesh vertex: fraction of that in its diagonal
+    Eigen::SparseMatrix<ChannelValues> matrix;
+    Eigen::Matrix<ChannelValues, Eigen::Dynamic, 1> moment;
+    std::vector<ChannelValues> precision;  ///< per observation: what it adds to its vertex's diagonal
+    std::vector<float> own;                ///< per mesh vertex: fraction of that in its diagonal, mean of the channels
 };
 AlbedoSystem albedoSystem(const Scene& scene, const MatteObservations& matte, const std::vector<Rgb>& lit,
                           const std::vector<Rgb>& litSigma, const AlbedoPrior& prior, const std::vector<Rgb>& logAlbedo,
-                          double edge, double typical, int channel);
+                          double edge, const ChannelValues& typical);
 
 }  // namespace relamp

@@ -144,11 +144,13 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
         AlbedoPrior stronger = prior;
         stronger.step = prior.step / std::sqrt(strengthsTried()[k]);
         const AlbedoSystem system =
-            albedoSystem(scene, matte, lit, litSigma, stronger, logAlbedo, double(prior.edge), std::log(0.5), channel);
-        const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(system.matrix);
+            albedoSystem(scene, matte, lit, litSigma, stronger, logAlbedo, double(prior.edge), std::log(0.5));
+        const auto ofChannel = [](const ChannelValues& value) { return value[channel]; };
+        const Eigen::SparseMatrix<double> matrix = system.matrix.unaryExpr(ofChannel);
+        const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
         if (factor.info() != Eigen::Success) return;
         progress.check();
-        const Eigen::VectorXd x = factor.solve(system.moment);
+        const Eigen::VectorXd x = factor.solve(system.moment.unaryExpr(ofChannel));
         Eigen::VectorXd inverse = Eigen::VectorXd::Zero(Eigen::Index(n)), z{Eigen::Index(n)};
         for (int probe = 0; probe < probes; ++probe) {
             for (size_t v = 0; v < n; ++v)
@@ -158,15 +160,15 @@ PriorStrength testAlbedoStrength(const Scene& scene, const RadianceSamples& samp
         }
         for (size_t i = 0; i < matte.vertices.size(); ++i) {
             const uint32_t v = matte.vertices[i];
-            if (matte.componentGlossy[scene.material[v]] || !(system.precision[i] > 0)) continue;
+            const double precision = system.precision[i][channel];
+            if (matte.componentGlossy[scene.material[v]] || !(precision > 0)) continue;
             const size_t state = matte.stateOf(i);
             const auto counts = [&](const RadianceSample& r) { return !r.clipped && samples.stateOf(r.view) == state; };
             float weights = 0;
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s)
                 weights += counts(samples.samples[s]) ? samples.samples[s].weight : 0;
-            const double diagonal = system.matrix.coeff(int(v), int(v)),
-                         whole = std::clamp(system.precision[i] * inverse(Eigen::Index(v)),
-                                            system.precision[i] / diagonal, 0.98);
+            const double diagonal = matrix.coeff(int(v), int(v)),
+                         whole = std::clamp(precision * inverse(Eigen::Index(v)), precision / diagonal, 0.98);
             for (uint32_t s = samples.start[v]; s < samples.start[v + 1]; ++s) {
                 const RadianceSample& r = samples.samples[s];
                 const float y = r.radiance[channel];
