@@ -12,6 +12,7 @@
 #include "radiance/random_walker.h"
 #include "scene/connected_region.h"
 #include "scene/rim.h"
+#include "scene/vertex_rings.h"
 
 namespace relamp {
 namespace {
@@ -252,25 +253,31 @@ std::vector<uint8_t> delimited(const Scene& scene, const RadianceSamples& sample
     return result;
 }
 
-/// Vertices of skirts: large regions, at a rim of the mesh, that the background explains and a surface does not.
+/// Vertices of skirts: large regions, at a rim of the mesh or at a light, that the background explains and a surface
+/// does not. Glare hides what a light is beside: reconstructions close it with bubbles.
 std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples, const std::vector<float>& better,
                               const std::vector<uint8_t>& isLight) {
     const std::vector<float> around = overNeighbours(scene, better);
     const std::vector<uint8_t> rim = rimVertices(scene.mesh);
+    std::vector<uint32_t> lights;
+    for (uint32_t v = 0; v < isLight.size(); ++v)
+        if (isLight[v]) lights.push_back(v);
+    // The mean over neighbours knows of lights so far.
+    const std::vector<int> fromLight = ringsAbout(scene.graph, meanRings + 1, lights);
     const size_t least = std::max<size_t>(leastRegion, better.size() / 500);
     std::vector<uint8_t> skirt(better.size(), 0), visited = skirt;
     for (uint32_t seed = 0; seed < better.size(); ++seed) {
         if (!(around[seed] < 0) || visited[seed]) continue;
         const std::vector<uint32_t> region =
             connectedRegion(scene.graph, seed, visited, [&](uint32_t v) { return around[v] < 0; });
-        size_t refuted = 0, telling = 0, atRim = 0;
+        size_t refuted = 0, telling = 0, atBorder = 0;
         for (const uint32_t v : region) {
             refuted += better[v] < -alike;
             telling += better[v] != 0 && better[v] != unknownDiffers;
-            atRim += rim[v];
+            atBorder += rim[v] || fromLight[v] >= 0;
         }
         const float needed = std::max(refutedOfTelling * float(telling), refutedOfAll * float(region.size()));
-        if (region.size() < least || refuted < leastRegion || float(refuted) < needed || atRim == 0) continue;
+        if (region.size() < least || refuted < leastRegion || float(refuted) < needed || atBorder == 0) continue;
         for (const uint32_t v : region) skirt[v] = 1;
     }
     const std::vector<uint8_t> found = skirt;

@@ -23,16 +23,17 @@ Rgb even(const Vec3&) { return Rgb(0.4f, 0.5f, 0.6f); }
 Rgb wood(const Vec3& at, const Vec3&) { return Rgb(0.3f, 0.2f, 0.1f) * (1 + 0.2f * std::sin(20 * at.x)); }
 Rgb mirror(const Vec3&, const Vec3& d) { return 0.9f * pattern(Vec3(d.x, d.y, -d.z)); }
 
-/// Photographs of a table of two metres, and a mesh whose table is `wider` by that much on all sides.
-struct Table {
+/// Photographs of what there is, and a mesh that may hold more.
+struct MeshBefore {
     Capture capture;
     Scene scene;
     RadianceSamples samples;
     std::vector<uint32_t> free;
 
-    Table(float wider, const Sky& sky, const Surface& surface, double focal = 150, int views = 8) {
-        const Scene real = test::sceneOf(sheetOf(1));
-        capture.mesh = sheetOf(1 + wider);
+    MeshBefore(const Mesh& there, const Mesh& mesh, const Sky& sky, const Surface& surface, double focal, int views,
+               const std::function<bool(const Vec3&)>& shines = {}) {
+        const Scene real = test::sceneOf(there);
+        capture.mesh = mesh;
         scene = test::sceneOf(capture.mesh);
         for (int i = 0; i < views; ++i) {
             const double turn = 2 * piD * i / views;
@@ -50,17 +51,27 @@ struct Table {
         }
         Progress progress;
         samples = gatherRadiance(capture, scene, {}, progress);
-        const std::vector<uint8_t> noLight(scene.mesh.vertexCount(), 0);
-        free = freeSpaceTriangles(scene, capture, samples, noLight, progress);
+        std::vector<uint8_t> isLight(scene.mesh.vertexCount(), 0);
+        for (size_t v = 0; v < isLight.size(); ++v) isLight[v] = shines && shines(scene.mesh.positions[v]);
+        free = freeSpaceTriangles(scene, capture, samples, isLight, progress);
     }
-
-    static Mesh sheetOf(float half) {
-        return test::sheet({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, 60, 60);
-    }
-    /// Largest coordinate of the triangle's middle.
-    float extent(uint32_t t) const {
+    Vec3 middleOf(uint32_t t) const {
         Vec3 middle(0);
         for (const uint32_t v : scene.mesh.triangles[t]) middle += scene.mesh.positions[v] / 3.0f;
+        return middle;
+    }
+};
+
+Mesh sheetOf(float half) { return test::sheet({-half, -half, 0}, {2 * half, 0, 0}, {0, 2 * half, 0}, 60, 60); }
+
+/// A table of two metres, and a mesh whose table is `wider` by that much on all sides.
+struct Table : MeshBefore {
+    Table(float wider, const Sky& sky, const Surface& surface, double focal = 150, int views = 8)
+        : MeshBefore(sheetOf(1), sheetOf(1 + wider), sky, surface, focal, views) {}
+
+    /// Largest coordinate of the triangle's middle.
+    float extent(uint32_t t) const {
+        const Vec3 middle = middleOf(t);
         return std::max(std::abs(middle.x), std::abs(middle.y));
     }
 };
@@ -127,6 +138,37 @@ TEST(FreeSpace, ABoardThatGoesOnBeyondTheMeshIsNoBackground) {
 }
 
 TEST(FreeSpace, AMirrorShowsOtherBackgroundThanThatBehindIt) { EXPECT_TRUE(Table(0, pattern, mirror).free.empty()); }
+
+TEST(FreeSpace, ABubbleThatClosesALightGoesAndABallStays) {
+    // Of the ball the upper part is there; it shines, or it does not and the ball hangs there as a whole.
+    const Vec3 middle(0, 0, 1.2f);
+    constexpr float radius = 0.3f, cut = 1.3f;
+    for (const bool light : {true, false}) {
+        const Mesh ball = test::ball(middle, radius, 24, 48);
+        Mesh there = ball, real = sheetOf(1), mesh = sheetOf(1);
+        if (light) std::erase_if(there.triangles, [&](const Triangle& t) { return there.positions[t[0]].z < cut; });
+        const auto surface = [&](const Vec3& at, const Vec3& d) {
+            if (at.z < 0.5f) return wood(at, d);
+            return light ? Rgb(40) : Rgb(0.5f, 0.3f, 0.2f);
+        };
+        const auto shines = [&](const Vec3& at) { return light && at.z > cut; };
+        test::append(real, there);
+        test::append(mesh, ball);
+        const MeshBefore lit(real, mesh, pattern, surface, 150, 8, shines);
+        size_t bubble = 0, taken = 0;
+        for (uint32_t t = 0; t < lit.scene.mesh.triangles.size(); ++t) {
+            const float z = lit.middleOf(t).z;
+            bubble += z > 0.5f && z < cut - 0.05f;
+        }
+        for (const uint32_t t : lit.free) {
+            EXPECT_GT(lit.middleOf(t).z, 0.5f);
+            EXPECT_LT(lit.middleOf(t).z, cut + 0.05f);
+            ++taken;
+        }
+        if (light) EXPECT_GT(taken, bubble * 8 / 10) << taken << " of " << bubble;
+        else EXPECT_EQ(taken, 0u);
+    }
+}
 
 }  // namespace
 }  // namespace relamp
