@@ -46,8 +46,9 @@ struct GlossOptions {
     /// Lobes one component may mix. With more than 1, or with a basis beyond the built-in kinds, the basis is pruned
     /// first (solve/lobe_choice.h).
     size_t mostLobes = 1;
-    /// Lobes are tried on directions that all share first (lobeResponses), and on their own only where they come within
-    /// a twelfth of the best there: a third of the rays. Where even the best there explains too little, none is.
+    /// Lobes are tried on directions that all share first (ArrivingLight), roughness between those of the basis, too.
+    /// The best of each kind is tried on its own where it comes within a twelfth of the best there: a fifth of the
+    /// rays. Where even the best there explains too little, none is.
     bool screen = true;
     /// A lobe is kept where it lowers the residual to this part.
     float leastGain = 0.85f;
@@ -68,8 +69,8 @@ std::vector<size_t> startsOfVertices(const std::vector<GlossyObservation>& obser
 /// Fits each lobe of the basis to the component under known light, with the Lambert part of every vertex eliminated,
 /// refines the roughness of the best one, and keeps it where it explains the change between views. A basis of other
 /// kinds than bare and dielectric GGX is pruned to a few candidates first, single lobes and mixtures; a mixture must
-/// lower the residual by a twentieth against fewer lobes. Cost: about 6 rows an observation, without `options.screen` 4
-/// more than there are lobes.
+/// lower the residual by a twentieth against fewer lobes. Cost: about 3 rows an observation, without `options.screen` 4
+/// more than there are lobes. Memory: ArrivingLight of options.maxVertices vertices.
 ComponentGloss fitGloss(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                         const std::vector<EmitterSurface>& emitters, const std::vector<int>& emitterOfTriangle,
                         const Lighting& lighting, const BrdfBasis& basis, uint32_t component,
