@@ -28,6 +28,7 @@ constexpr size_t mostSurfaces = 8;
 constexpr size_t leastCells = 60;
 constexpr float leastPart = 0.03f;     ///< of the cells that the mesh covers
 constexpr double leastCovered = 0.35;  ///< of the surface by the mesh
+constexpr double leastTogether = 0.8;  ///< by mesh and patch: bodies that bulge about a cone stay as they are
 constexpr int mostCells = 1500;        ///< along either side
 constexpr int shred = 3;               ///< cells: half width of what is too narrow to be a surface
 constexpr int slit = 4;                ///< cells: half width of what is closed
@@ -93,7 +94,7 @@ public:
         Cells covered(rows_, columns_), shown = covered, sure = covered, open = covered;
         forCells([&](int row, int column) { covered.value[covered.index(row, column)] = meshAt(row, column); });
         const Cells solid = covered.shrunk(shred).grown(shred);
-        if (partWithMesh(solid) < leastCovered) return {};
+        if (partCovered(solid) < leastCovered) return {};
         Cells shreds = covered;
         for (size_t i = 0; i < shreds.value.size(); ++i) shreds.value[i] = shreds.value[i] && !solid.value[i];
         forCells([&](int row, int column) {
@@ -109,6 +110,9 @@ public:
         missing = closed(missing, solid, open);
         const size_t cells = missing.count();
         if (cells < leastCells || float(cells) < leastPart * float(solid.count())) return SurfacePatch{};
+        Cells whole = missing;
+        for (size_t i = 0; i < whole.value.size(); ++i) whole.value[i] |= solid.value[i];
+        if (partCovered(whole) < leastTogether) return SurfacePatch{};
         SurfacePatch result = shell(missing, solid);
         result.replaced = replacedBy(missing, solid);
         result.area = areaOf(missing);
@@ -128,13 +132,14 @@ private:
         });
     }
 
-    /// Of the heights that the mesh reaches: rounded edges of tables are a quarter of a cylinder and no sheet.
-    double partWithMesh(const Cells& solid) const {
+    /// Part of the surface that cells cover, of the heights that the mesh reaches: rounded edges of tables are a
+    /// quarter of a cylinder and no sheet.
+    double partCovered(const Cells& cells) const {
         size_t of = 0, with = 0;
         for (int row = 0; row < rows_; ++row) {
             if (heightOf(row) < low_ || heightOf(row) > high_) continue;
             of += size_t(columns_);
-            for (int column = 0; column < columns_; ++column) with += solid.at(row, column);
+            for (int column = 0; column < columns_; ++column) with += cells.at(row, column);
         }
         return double(with) / double(std::max<size_t>(1, of));
     }

@@ -218,10 +218,10 @@ std::vector<Lobe> screenLobes(const ArrivingLight& arriving, const BrdfBasis& ba
     constexpr double beaten = 1.08;
     const size_t n = basis.lobes.size();
     std::vector<double> residual(n, 1e300);
-    for (size_t k = 1; k < n; ++k) {
-        const LobeTrial trial(observations, arriving.through(basis.lobes[k]), options.lambertGain);
-        residual[k] = std::min(trial.both.residual, trial.alone.residual);
-    }
+    parallelFor(n - 1, 1, [&](size_t i) {
+        const LobeTrial trial(observations, arriving.through(basis.lobes[i + 1]), options.lambertGain);
+        residual[i + 1] = std::min(trial.both.residual, trial.alone.residual);
+    });
     const double least = *std::min_element(residual.begin() + 1, residual.end());
     if (options.lambertGain < 1e6f && !(least < double(std::max(0.92f, options.leastGain + 0.02f) * residualMatte)))
         return {};

@@ -17,13 +17,15 @@ struct GlossModel {
     bool empty() const { return components.empty(); }
     static bool isMetal(const ComponentGloss& g) { return !g.matte; }
     bool hasMetal() const { return std::any_of(components.begin(), components.end(), isMetal); }
-    /// Whether `found` are coatings, and the same: to a twentieth of roughness and weight.
+    /// Whether `found` are coatings, and the same: to a twentieth of roughness and weight. Lobes that are more than a
+    /// roughness (mixtures, measured ones) are the same by name.
     bool sameCoatings(const std::vector<ComponentGloss>& found) const {
         constexpr float alike = 0.05f;
         return std::equal(components.begin(), components.end(), found.begin(), found.end(),
                           [](const ComponentGloss& a, const ComponentGloss& b) {
                               return a.component == b.component && a.matte && b.matte && a.lobe && b.lobe &&
                                      a.lobe->kind == b.lobe->kind &&
+                                     (a.lobe->kind <= Lobe::Kind::ggxDielectric || a.lobe->name == b.lobe->name) &&
                                      std::abs(std::log(a.lobe->alpha / b.lobe->alpha)) < 2 * alike &&
                                      maxChannel(glm::abs(a.weight - b.weight)) < alike * maxChannel(a.weight);
                           });
