@@ -183,11 +183,6 @@ Rgb glossColour(const Lobe& lobe) {
     return fractions > 0 ? sum / fractions : Rgb(1);
 }
 
-std::vector<Rgb> responses(const InfluenceMatrix& rows, const Lighting& lighting, std::vector<Rgb> mirrored) {
-    parallelFor(rows.rows, 64, [&](size_t i) { mirrored[i] += lightOfRow(rows.row(i), lighting); });
-    return mirrored;
-}
-
 /// What one lobe of weight 1 sends at each observation, from directions of its own.
 std::vector<Rgb> ownResponse(const DirectionScene& in, const Lighting& lighting, const Lobe& lobe,
                              const std::vector<GlossyObservation>& observations, const LobeRowOptions& options,
@@ -256,8 +251,9 @@ std::vector<Lobe> screenLobes(const ArrivingLight& arriving, const BrdfBasis& ba
 MetalEvidence metalEvidence(const InfluenceMatrix& rows, const Lighting& lighting,
                             const std::vector<GlossyObservation>& observations) {
     MetalEvidence evidence;
-    evidence.asMetal =
-        fitLobe(observations, responses(rows, lighting, std::vector<Rgb>(observations.size(), Rgb(0))), false).residual;
+    std::vector<Rgb> response(rows.rows);
+    parallelFor(rows.rows, 64, [&](size_t i) { response[i] = lightOfRow(rows.row(i), lighting); });
+    evidence.asMetal = fitLobe(observations, response, false).residual;
     size_t vertices = 0;
     for (size_t i = 0; i < observations.size(); ++i)
         vertices += i == 0 || !observations[i].sharesMatte(observations[i - 1]);
