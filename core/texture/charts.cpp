@@ -1,6 +1,6 @@
 #include "texture/charts.h"
 
-#include <deque>
+#include "texture/texels_inside.h"
 
 namespace relamp {
 
@@ -33,39 +33,57 @@ std::vector<std::array<uint32_t, 3>> trianglesBeside(const Mesh& mesh) {
 
 namespace {
 
-/// Which texels of a chart are taken.
-class TakenTexels {
+/// What of a chart's plane is taken, and how high above it the surface lies there.
+class TakenPlane {
 public:
-    explicit TakenTexels(const Vec2& extent) : width_(int(extent.x) + 2), height_(int(extent.y) + 2) {
-        taken_.assign(size_t(width_) * size_t(height_), 0);
+    explicit TakenPlane(const Vec2& extent) {
+        // Triangles may be smaller than texels: parts of texels, as far as memory goes.
+        constexpr float mostCells = 3e7f;
+        cells_ = std::clamp(std::sqrt(mostCells / ((extent.x + 2) * (extent.y + 2))), 1.0f, 4.0f);
+        width_ = int((extent.x + 2) * cells_);
+        height_ = int((extent.y + 2) * cells_);
+        above_.assign(size_t(width_) * size_t(height_), free);
     }
-    /// Takes the texels whose centres lie inside the triangle; false, and nothing is taken, where one is taken already.
-    bool take(const std::array<Vec2, 3>& p) {
-        cells_.clear();
-        const Vec2 low = glm::min(p[0], glm::min(p[1], p[2])), high = glm::max(p[0], glm::max(p[1], p[2]));
-        const auto cross = [](const Vec2& a, const Vec2& b) { return a.x * b.y - a.y * b.x; };
-        const float area = cross(p[1] - p[0], p[2] - p[0]);
+    /// Takes the cells whose centres lie inside the triangle; false, and nothing is taken, where one is taken already,
+    /// or where a texel beside it belongs to another layer of the surface. `above`: texels, of its corners.
+    bool take(std::array<Vec2, 3> p, const Vec3& above) {
+        for (Vec2& corner : p) corner *= cells_;
+        const Vec2 a = p[1] - p[0], b = p[2] - p[0];
+        const float area = crossOf(a, b);
         if (!(area > 0)) return true;
-        // Centres on an edge belong to both sides and say nothing.
-        constexpr float inset = 1e-3f;
+        const Vec2 slope = ((above.y - above.x) * Vec2(b.y, -b.x) + (above.z - above.x) * Vec2(-a.y, a.x)) / area;
+        const Vec2 low = glm::min(p[0], glm::min(p[1], p[2])) - cells_,
+                   high = glm::max(p[0], glm::max(p[1], p[2])) + cells_;
+        inside_.clear();
         for (int y = std::max(0, int(low.y - 0.5f)); y <= std::min(height_ - 1, int(high.y) + 1); ++y)
             for (int x = std::max(0, int(low.x - 0.5f)); x <= std::min(width_ - 1, int(high.x) + 1); ++x) {
-                const Vec2 c(float(x) + 0.5f, float(y) + 0.5f);
-                bool inside = true;
-                for (size_t k = 0; k < 3; ++k) inside &= cross(p[(k + 1) % 3] - p[k], c - p[k]) > inset * area;
-                if (!inside) continue;
+                const Vec2 centre(float(x) + 0.5f, float(y) + 0.5f);
                 const size_t at = size_t(y) * size_t(width_) + size_t(x);
-                if (taken_[at]) return false;
-                cells_.push_back(at);
+                const bool inside = isInside(p, area, centre);
+                const float here = above.x + glm::dot(slope, centre - p[0]);
+                if (above_[at] != free && (inside || std::abs(above_[at] - here) > layer)) return false;
+                if (inside) inside_.emplace_back(at, here);
             }
-        for (size_t at : cells_) taken_[at] = 1;
+        for (const auto& [at, here] : inside_) above_[at] = here;
         return true;
     }
 
 private:
+    static constexpr float free = 1e30f;
+    static constexpr float layer = 8;  ///< texels: a surface as steep as a chart's may be rises less to the next one
+
+    float cells_;  ///< a texel's side
     int width_, height_;
-    std::vector<uint8_t> taken_;
-    std::vector<size_t> cells_;
+    std::vector<float> above_;
+    std::vector<std::pair<size_t, float>> inside_;
+
+    /// Centres on an edge belong to both sides and say nothing.
+    static bool isInside(const std::array<Vec2, 3>& p, float area, const Vec2& c) {
+        constexpr float inset = 1e-3f;
+        for (size_t k = 0; k < 3; ++k)
+            if (!(crossOf(p[(k + 1) % 3] - p[k], c - p[k]) > inset * area)) return false;
+        return true;
+    }
 };
 
 class ChartGrower {
@@ -182,13 +200,18 @@ private:
         }
         for (auto& c : corners)
             for (Vec2& p : c) p -= low;
-        TakenTexels taken(high - low);
+        const Vec3 origin = mesh_.positions[mesh_.triangles[grown[0]][0]];
+        const auto heightOf = [&](uint32_t v) { return glm::dot(mesh_.positions[v] - origin, axis) * chart.density; };
+        TakenPlane taken(high - low);
+        const auto above = [&](uint32_t t) {
+            const Triangle& c = mesh_.triangles[t];
+            return Vec3(heightOf(c[0]), heightOf(c[1]), heightOf(c[2]));
+        };
         for (size_t i = 0; i < grown.size(); ++i) {
-            if (i > 0 && !taken.take(corners[i])) {
+            if (!taken.take(corners[i], above(grown[i])) && i > 0) {
                 done_[grown[i]] = 0;
                 continue;
             }
-            if (i == 0) taken.take(corners[i]);
             chart.triangles.push_back(grown[i]);
             chart.corners.push_back(corners[i]);
             for (const Vec2& p : corners[i]) chart.extent = glm::max(chart.extent, p);

@@ -76,21 +76,45 @@ TEST(Atlas, OfABallHasFewChartsWithoutOverlap) {
 }
 
 /// A ramp that winds twice about an axis, one turn over the other: its triangles face alike and are connected.
-TEST(Atlas, WhatLiesOverItselfIsSplit) {
+Mesh windingRamp(int steps, float height) {
     Mesh mesh;
-    constexpr int steps = 96;
     for (int i = 0; i <= steps; ++i) {
-        const float turn = 4 * pi * float(i) / steps, z = 0.5f * float(i) / steps;
-        for (const float r : {1.0f, 2.0f}) mesh.positions.push_back({r * std::cos(turn), r * std::sin(turn), z});
+        const float part = float(i) / float(steps), turn = 4 * pi * part;
+        for (const float r : {1.0f, 2.0f})
+            mesh.positions.push_back({r * std::cos(turn), r * std::sin(turn), height * part});
     }
-    for (uint32_t i = 0; i < steps; ++i) {
+    for (uint32_t i = 0; i < uint32_t(steps); ++i) {
         mesh.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
         mesh.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
     }
     mesh.normals = vertexNormalsFromFaces(mesh);
-    const Atlas atlas = laidOut(mesh, 12);
+    return mesh;
+}
+
+TEST(Atlas, WhatLiesOverItselfIsSplit) {
+    const Atlas atlas = laidOut(windingRamp(96, 0.5f), 12);
     EXPECT_GE(atlas.charts, 2u);
     EXPECT_EQ(sharedTexels(atlas), 0u);
+}
+
+/// Triangles a quarter of a texel wide hold hardly any centre; still no layer lies within a texel of another one.
+TEST(Atlas, LayersOfTrianglesSmallerThanTexelsAreParted) {
+    constexpr float density = 8;
+    const Mesh mesh = windingRamp(384, 4);
+    const Atlas atlas = laidOut(mesh, density);
+    const auto middle = [](const auto& corners) { return (corners[0] + corners[1] + corners[2]) / 3.0f; };
+    std::vector<Vec2> places;
+    std::vector<float> heights;
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        places.push_back(middle(atlas.corners[t]));
+        const Triangle& c = mesh.triangles[t];
+        heights.push_back((mesh.positions[c[0]].z + mesh.positions[c[1]].z + mesh.positions[c[2]].z) / 3);
+    }
+    size_t near = 0;
+    for (size_t a = 0; a < places.size(); ++a)
+        for (size_t b = 0; b < a; ++b)
+            near += glm::length(places[a] - places[b]) < 1 && std::abs(heights[a] - heights[b]) > 1;
+    EXPECT_EQ(near, 0u);
 }
 
 TEST(Atlas, StaysWithinItsSideByCoarserTexels) {
