@@ -35,14 +35,16 @@ void sharpenStrong(SolveRun& s) {
     double misfit = std::numeric_limits<double>::infinity();
     for (int round = 0; round < StrongDirections::rounds && !s.stopped(); ++round) {
         const Irradiance irradiance = s.irradiance();
-        // The measure is a root of squares: a fiftieth of the squares is worth another round.
+        // The measure is a root of squares: a fiftieth of the squares is worth another round. Where a mesh is off, most
+        // squares are its own, and a sun is known by what its leaf's division does: one or two parts take its light.
         const double before = misfit;
         misfit = s.mismatch(irradiance);
-        if (misfit * misfit > 0.98 * before * before) return;
+        const bool explains = !(misfit * misfit > 0.98 * before * before);
         const std::vector<Rgb> fractions = contributionsOf(s, irradiance);
+        const std::vector<uint8_t> peaks = peaksAmongBrothers(s.light.lighting.leaves, fractions);
         std::vector<uint32_t> strong;
         for (uint32_t i = 0; i < fractions.size(); ++i)
-            if (maxChannel(fractions[i]) > StrongDirections::fraction &&
+            if (maxChannel(fractions[i]) > StrongDirections::fraction && (explains || peaks[i]) &&
                 s.light.lighting.leaves[i].level < StrongDirections::finest)
                 strong.push_back(i);
         if (strong.empty()) return;

@@ -5,6 +5,13 @@
 #include "solve/steps/steps.h"
 
 namespace relamp {
+namespace {
+
+/// The leaf that this one is a quarter of, told by the quarters' level.
+using Parent = std::tuple<int, int, int, int>;
+Parent parentOf(const Leaf& leaf) { return {leaf.environment, leaf.level, leaf.x / 2, leaf.y / 2}; }
+
+}  // namespace
 
 bool refineLeaves(SolveRun& s) {
     if (s.light.refined) return false;
@@ -58,14 +65,29 @@ std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance
     return fractions;
 }
 
+std::vector<uint8_t> peaksAmongBrothers(const LightLeaves& leaves, const std::vector<Rgb>& fractions) {
+    constexpr float most = 0.4f;  // a sun on the border of two gives each of them half
+    std::map<Parent, std::pair<float, int>> together;
+    for (uint32_t i = 0; i < leaves.size(); ++i) {
+        auto& [light, parts] = together[parentOf(leaves[i])];
+        light += maxChannel(fractions[i]);
+        ++parts;
+    }
+    std::vector<uint8_t> peaks(leaves.size(), 0);
+    for (uint32_t i = 0; i < leaves.size(); ++i) {
+        const auto& [light, parts] = together[parentOf(leaves[i])];
+        peaks[i] = parts == 4 && maxChannel(fractions[i]) > most * light;
+    }
+    return peaks;
+}
+
 std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance) {
     const std::vector<Rgb> fraction = contributionsOf(s, irradiance);
     const size_t leaves = s.light.lighting.leaves.size();
-    std::map<std::tuple<int, int, int, int>, std::vector<uint32_t>> brothers;
+    std::map<Parent, std::vector<uint32_t>> brothers;
     for (uint32_t i = 0; i < leaves; ++i) {
         const Leaf& leaf = s.light.lighting.leaves[i];
-        if (leaf.level > s.in.options.startLevel)
-            brothers[{leaf.environment, leaf.level, leaf.x / 2, leaf.y / 2}].push_back(i);
+        if (leaf.level > s.in.options.startLevel) brothers[parentOf(leaf)].push_back(i);
     }
     constexpr uint32_t alone = ~0u;
     std::vector<uint32_t> group(s.light.influence.columns, alone);

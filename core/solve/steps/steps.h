@@ -94,6 +94,8 @@ void keepFittedLevels(SolveRun& s);
 bool refineLeaves(SolveRun& s);
 /// What each leaf gives of the light at a vertex, on average over the vertices.
 std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance);
+/// Per leaf 1 where it gives more than 0.4 of the light of the four that its parent was divided into.
+std::vector<uint8_t> peaksAmongBrothers(const LightLeaves& leaves, const std::vector<Rgb>& fractions);
 /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little light
 /// for their split to matter. Per column of the rows its group; empty: none.
 std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance);
