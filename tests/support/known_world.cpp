@@ -1,6 +1,8 @@
 #include "support/known_world.h"
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "base/random.h"
@@ -78,8 +80,9 @@ std::vector<Rgb> paintBounces(const KnownWorld& world, const Scene& scene, const
     return bounced;
 }
 
-KnownWorld paint(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room, bool metalBall,
-                 const std::vector<float>& levels, const std::vector<KnownWorld::Sky>& skies, int width) {
+KnownWorld paintAnew(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room,
+                     bool metalBall, const std::vector<float>& levels, const std::vector<KnownWorld::Sky>& skies,
+                     int width) {
     const int height = width * 3 / 4;
     const double focal = width * 95.0 / 96;
     KnownWorld world;
@@ -164,6 +167,27 @@ KnownWorld paint(const std::filesystem::path& folder, bool emitter, int views, i
     }
     std::ofstream(folder / "transforms.json") << file.dump(1);
     return world;
+}
+
+/// Each world is painted once in a run of the program: tests get copies of its files, which they may change.
+KnownWorld paint(const std::filesystem::path& folder, bool emitter, int views, int floorCuts, bool room, bool metalBall,
+                 const std::vector<float>& levels, const std::vector<KnownWorld::Sky>& skies, int width) {
+    struct Painted {
+        TemporaryFolder folder;
+        KnownWorld world;
+    };
+    static std::map<std::tuple<bool, int, int, bool, bool, std::vector<float>, std::vector<KnownWorld::Sky>, int>,
+                    Painted>
+        all;
+    const auto [at, fresh] = all.try_emplace({emitter, views, floorCuts, room, metalBall, levels, skies, width});
+    Painted& painted = at->second;
+    if (fresh)
+        painted.world =
+            paintAnew(painted.folder.path(), emitter, views, floorCuts, room, metalBall, levels, skies, width);
+    std::filesystem::create_directories(folder);
+    std::filesystem::copy(painted.folder.path(), folder,
+                          std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
+    return painted.world;
 }
 
 }  // namespace

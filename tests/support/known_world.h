@@ -57,7 +57,7 @@ KnownWorld paintKnownWorld(const std::filesystem::path& folder, bool emitter = t
                            const std::vector<KnownWorld::Sky>& skies = {});
 
 /// The same in photographs of under half of the pixels (64 x 48), for tests of what is done with an estimate: most of
-/// the time of a small solve goes by the pixel.
+/// the time of a small solve goes by the pixel. Smaller ones take no less: at 48 x 36 planning takes 1.0 s, not 0.3.
 KnownWorld paintSmallWorld(const std::filesystem::path& folder, int views = 6, int floorCuts = 10, bool emitter = true);
 
 }  // namespace relamp::test
