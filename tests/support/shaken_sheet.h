@@ -15,8 +15,9 @@ struct ShakenSheet {
     Capture capture;
     Scene scene;
 
-    ShakenSheet() {
-        scene = sceneOf(sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 100, 100));
+    /// `cuts`: into so many strips each way; more of them follow a bend better.
+    explicit ShakenSheet(int cuts = 60) {
+        scene = sceneOf(sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, cuts, cuts));
         capture.mesh = scene.mesh;
         static const std::vector<View> photographs = photographed();
         capture.views = photographs;

@@ -44,7 +44,7 @@ TEST(Registration, LeavesWhatMirrorsOut) {
 
 TEST(Registration, BringsCamerasAndABentSheetBack) {
     const ShakenSheet truth;
-    ShakenSheet sheet;
+    ShakenSheet sheet(100);
     sheet.bend();
     sheet.shake();
     const double pixels = sheet.pixelsFrom(truth.capture), bent = sheet.bentBy();
