@@ -44,6 +44,23 @@ struct SolvedStates {
     }
 };
 
+/// Solved once, with what it put by between its steps.
+struct WholeSolve : SolvedStates {
+    std::vector<SolveCheckpoint> kept;
+    Estimate found;
+    WholeSolve() {
+        SolveListener listener;
+        listener.checkpoint = [&](const SolveCheckpoint& c) {
+            if (c.between) kept.push_back(checkpointFromBytes(checkpointBytes(c)));
+        };
+        found = solved({&listener, nullptr, {}});
+    }
+    static WholeSolve& get() {
+        static WholeSolve one;
+        return one;
+    }
+};
+
 /// Root mean square of what an environment does to surfaces that face all ways, over what the true sky does: relative.
 double skyError(const std::vector<Rgb>& cells, int side, Sky sky) {
     const DirectionGrid grid{side};
@@ -62,12 +79,12 @@ double skyError(const std::vector<Rgb>& cells, int side, Sky sky) {
 }
 
 TEST(StateEnvironments, AreFoundEachByItselfAndAShotKeepsThem) {
-    SolvedStates s;
+    WholeSolve& s = WholeSolve::get();
     ASSERT_EQ(s.capture.environmentOfState, (std::vector<int>{0, 1, -1}));
     // The background of the dark state, which is black, is no distant light.
     const size_t cells = size_t(s.prepared.samples->backgroundGrid.cells());
     ASSERT_EQ(s.prepared.samples->background.size(), 2 * cells);
-    const Estimate found = s.solved();
+    const Estimate& found = s.found;
     double both = 0, own = 0;
     for (size_t v = 0; v < s.world.floorVertices; ++v) {
         if (!found.reflectance.observed[v]) continue;
@@ -126,15 +143,11 @@ TEST(StateEnvironments, AreFoundEachByItselfAndAShotKeepsThem) {
 }
 
 TEST(StateEnvironments, ASolveThatWasPutAsideGoesOnInTheSameBits) {
+    const Estimate& whole = WholeSolve::get().found;
+    const std::vector<SolveCheckpoint>& kept = WholeSolve::get().kept;
+    ASSERT_GT(kept.size(), 3u);
     SolvedStates s;
     s.options.reproduce = false;
-    std::vector<SolveCheckpoint> kept;
-    SolveListener listener;
-    listener.checkpoint = [&](const SolveCheckpoint& c) {
-        if (c.between) kept.push_back(checkpointFromBytes(checkpointBytes(c)));
-    };
-    const Estimate whole = s.solved({&listener, nullptr, {}});
-    ASSERT_GT(kept.size(), 3u);
     const Estimate resumed = s.solved({nullptr, &kept[kept.size() / 2], {}});
     EXPECT_EQ(resumed.reflectance.weight, whole.reflectance.weight);
     ASSERT_EQ(resumed.otherEnvironments.size(), 1u);

@@ -114,7 +114,7 @@ TEST(KnownWorld, BouncedLightInARoomIsSeenAndAlbedoSaved) {
         PipelineOptions options;
         options.solve = solveOptionsFor("draft");
         options.solve.bounce = bounce;
-        options.reproduce = false;
+        options.reproduce = options.registration = options.photometric = false;
         options.texture = 0;
         Progress progress;
         return runPipeline(folder.path(), options, progress);
