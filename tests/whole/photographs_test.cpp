@@ -71,8 +71,9 @@ TEST(Photographs, OfAnObjectBeforeBlackHaveAnAssumedScaleAndPlausibleSurfaces) {
             for (int x = mask.width / 5; x < mask.width * 4 / 5; ++x) mask.at(x, y) = Rgb(1);
         writeImage(folder / "masked/masks" / (name + ".png"), mask);
     }
-    const test::ProgramResult r = test::runProgram(
-        {RELAMP_BINARY, "solve", folder / "masked", "-o", folder / "m.relamp", "--quality", "draft", "--accept-poor"});
+    const test::ProgramResult r =
+        test::runProgram({RELAMP_BINARY, "solve", folder / "masked", "-o", folder / "m.relamp", "--quality", "draft",
+                          "--accept-poor", "--mesh-triangles", "3000", "--texture", "off"});
     ASSERT_EQ(r.exitCode, 0) << r.error;
     const json info = infoOf(folder / "m.relamp");
     EXPECT_EQ(info["gauge"]["kind"], "assumed") << info["gauge"];

@@ -93,12 +93,34 @@ TEST(UnobservedLight, AnEmitterThatNoPhotographShowsIsFoundWhereItStands) {
 }
 
 TEST(UnobservedLight, ThePlaceFoundHasTheSameBitsOnOneThreadAndOnTwo) {
-    const ThreadLimit limit(1);
-    PipelineOptions options;
-    options.findLight = options.onlyPlan = true;
-    const std::vector<ProxyLight> found = Found::get().world.solve(options).capture.proxies;
-    ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found, Found::get().result.capture.proxies);
+    // From fewer pairs and places, so that it goes through every step of the search in less time.
+    UnobservedLightOptions few;
+    few.pairs = 1500;
+    few.finalPairs = 3000;
+    few.directionSide = 8;
+    few.followed = 2;
+    const auto found = [&](int threads) {
+        const ThreadLimit limit(threads);
+        Progress progress;
+        const Capture capture = loadCapture(Found::get().world.folder.path(), {}, progress);
+        StageMeter meter{progress};
+        const Prepared prepared = prepare(capture, {}, meter, progress);
+        return findUnobservedLights(capture, *prepared.scene, *prepared.samples, prepared.clusters, few, progress);
+    };
+    const UnobservedLightSearch one = found(1), two = found(2);
+    ASSERT_EQ(one.lights.size(), 1u) << one.words;
+    ASSERT_EQ(two.lights.size(), 1u) << two.words;
+    const UnobservedLight &a = one.lights[0], &b = two.lights[0];
+    EXPECT_EQ(proxyOf(a), proxyOf(b));
+    EXPECT_EQ(a.position, b.position);
+    EXPECT_EQ(a.covariance, b.covariance);
+    EXPECT_EQ(a.distance, b.distance);
+    EXPECT_EQ(a.distanceSigma, b.distanceSigma);
+    EXPECT_EQ(a.fraction, b.fraction);
+    EXPECT_EQ(a.radius, b.radius);
+    EXPECT_EQ(a.certainty, b.certainty);
+    EXPECT_EQ(one.misfitWithout, two.misfitWithout);
+    EXPECT_EQ(one.misfitWith, two.misfitWith);
 }
 
 TEST(UnobservedLight, NoneIsFoundWhereThereIsOnlySky) {
