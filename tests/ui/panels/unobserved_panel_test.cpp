@@ -11,6 +11,7 @@ TEST(UnobservedPanel, AFoundLightIsOneEntryAndTakingItAwayGivesTheEstimateBefore
     relamp::test::hideEmitter(folder / "dark", world);
     Panels p;
     Editor& editor = *p.editor;
+    editor.state.solve.texture = 0;
     const auto ended = [&] { p.until([&] { return !editor.job(); }); };
     const auto vertices = [&] { return editor.state.document.scene->mesh.vertexCount(); };
     editor.openNow(folder / "dark");
