@@ -18,7 +18,8 @@ struct Lighting;
 /// Directions that give much of the light are divided first.
 struct StrongDirections {
     static constexpr float fraction = 0.04f;  ///< of the light on the surfaces, above which one is divided
-    static constexpr int rounds = 4, finest = 6;
+    static constexpr int rounds = 3, finest = 6;
+    static constexpr int roundsByPeaks = 4;  ///< of a mesh that is off, whose misfit says little
 };
 
 /// What takes part. The default is what every solve may take for granted; the planner (pipeline/plan.h) switches off

@@ -33,7 +33,9 @@ void coarseLight(SolveRun& s) {
 void sharpenStrong(SolveRun& s) {
     if (s.light.environmentBlack || s.light.firstLevel(s.in, s.hasMatte()) >= s.in.options.startLevel) return;
     double misfit = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < StrongDirections::rounds && !s.stopped(); ++round) {
+    const bool byPeaks = s.in.options.meshError > 0;
+    const int rounds = byPeaks ? StrongDirections::roundsByPeaks : StrongDirections::rounds;
+    for (int round = 0; round < rounds && !s.stopped(); ++round) {
         const Irradiance irradiance = s.irradiance();
         // The measure is a root of squares: a fiftieth of the squares is worth another round. Where a mesh is off, most
         // squares are its own, and a sun is known by what its leaf's division does: one or two parts take its light.
@@ -41,7 +43,8 @@ void sharpenStrong(SolveRun& s) {
         misfit = s.mismatch(irradiance);
         const bool explains = !(misfit * misfit > 0.98 * before * before);
         const std::vector<Rgb> fractions = contributionsOf(s, irradiance);
-        const std::vector<uint8_t> peaks = peaksAmongBrothers(s.light.lighting.leaves, fractions);
+        const std::vector<uint8_t> peaks =
+            byPeaks ? peaksAmongBrothers(s.light.lighting.leaves, fractions) : std::vector<uint8_t>(fractions.size());
         std::vector<uint32_t> strong;
         for (uint32_t i = 0; i < fractions.size(); ++i)
             if (maxChannel(fractions[i]) > StrongDirections::fraction && (explains || peaks[i]) &&
