@@ -1,6 +1,6 @@
 #include "transport/lighting.h"
 
-#include <set>
+#include <algorithm>
 
 #include "wavelet/haar.h"
 
@@ -90,9 +90,9 @@ size_t LightLeaves::leafOf(const Vec3& direction, size_t environment) const {
 }
 
 std::vector<std::pair<uint32_t, uint32_t>> LightLeaves::neighbourPairs() const {
-    std::set<std::pair<uint32_t, uint32_t>> pairs;
+    std::vector<std::pair<uint32_t, uint32_t>> pairs;  // each once for every cell along the border
     const auto join = [&](uint32_t a, uint32_t b) {
-        if (a != b) pairs.emplace(std::min(a, b), std::max(a, b));
+        if (a != b) pairs.emplace_back(std::min(a, b), std::max(a, b));
     };
     for (size_t environment = 0; environment < environments_; ++environment) {
         const uint32_t* table = &table_[environment * tableCells];
@@ -111,7 +111,9 @@ std::vector<std::pair<uint32_t, uint32_t>> LightLeaves::neighbourPairs() const {
             join(at(last, t), at(last, u));
         }
     }
-    return {pairs.begin(), pairs.end()};
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
 }
 
 std::vector<uint32_t> LightLeaves::leafOfCells(const DirectionGrid& grid, size_t environment) const {
