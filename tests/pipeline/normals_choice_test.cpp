@@ -42,8 +42,8 @@ TEST(NormalsChoice, SmoothsWhereTheMeshIsNoisyAndOnlyThere) {
     PipelineOptions options;
     options.solve = solveOptionsFor("draft");
     options.onlyPlan = true;
-    options.plan = options.registration = options.photometric =
-        false;  // the normals are chosen before and without them
+    // The normals are chosen before and without these.
+    options.plan = options.registration = options.photometric = false;
     EXPECT_EQ(runPipeline(folder / "world", options, progress).corrections.smoothedNormals, 0);
     Mesh noisy = world.mesh;
     std::mt19937 random(2);
