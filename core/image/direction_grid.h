@@ -31,6 +31,9 @@ struct DirectionGrid {
     }
 };
 
+/// Interpolated between cell centres. `direction` is a unit vector.
+Rgb interpolated(const std::vector<Rgb>& cells, const DirectionGrid& grid, const Vec3& direction);
+
 /// What `cells` of `from` hold, on `to` (any side, any axes): the mean of `points` x `points` points in each cell, of a
 /// quarter of them where those differ by less than a twentieth. What is brighter than four times the mean, a sun or a
 /// emitter, keeps its energy exactly. With 8, light on surfaces stays the same to about 1e-4; 0.05 to 0.15 s for a side

@@ -343,6 +343,7 @@ Estimate solvePrepared(const Capture& capture, const Scene& whole, const Prepare
                                               scene.mesh.triangles.size(), capture.mesh.triangles.size())});
     meter.begin(Stage::texture);
     addTexture(capture, whole, options.texture, estimate, progress);
+    addBackgrounds(capture, *prepared.samples, estimate, progress);
     meter.end();
     if (options.reproduce) {
         meter.begin(Stage::reproduction);

@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "texture/background_panorama.h"
 #include "texture/own_charts.h"
 
 namespace relamp {
@@ -71,6 +72,16 @@ void addTexture(const Capture& capture, const Scene& scene, std::optional<int> s
             estimate.heldOutTexture = std::move(fit.without);
         } catch (const OutOfTime&) { estimate.leftOut.push_back({Omission::texture, "the time was used up"}); }
     estimate.surfaceLight = {};
+}
+
+void addBackgrounds(const Capture& capture, const RadianceSamples& samples, Estimate& estimate, Progress& progress) {
+    if (progress.outOfTime()) return;
+    const DirectionGrid grid{estimate.environmentSide};
+    estimate.background = backgroundPanorama(capture, samples, 0, estimate.environment, grid, progress);
+    for (size_t k = 0; k < estimate.otherEnvironments.size(); ++k) {
+        StateLight& other = estimate.otherEnvironments[k];
+        other.background = backgroundPanorama(capture, samples, int(k) + 1, other.environment, grid, progress);
+    }
 }
 
 }  // namespace relamp

@@ -1,4 +1,5 @@
-// Albedo per texel in the course of a solve: is it worth it, and its place after the light is known.
+// What is finer than vertices and cells in the course of a solve, after the light is known: albedo per texel, and the
+// background.
 #pragma once
 #include <optional>
 
@@ -20,5 +21,9 @@ void planTexture(const Capture& capture, const Scene& scene, const RadianceSampl
 /// it finds not worth it is named in estimate.leftOut. Takes estimate.surfaceLight. Throws Cancelled.
 void addTexture(const Capture& capture, const Scene& scene, std::optional<int> side, Estimate& estimate,
                 Progress& progress);
+
+/// What the photographs show behind the scene, of each environment that was found (Estimate::background). Left out
+/// without time. Throws Cancelled.
+void addBackgrounds(const Capture& capture, const RadianceSamples& samples, Estimate& estimate, Progress& progress);
 
 }  // namespace relamp

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/json_fields.h"
+#include "relight/backdrop.h"
 
 namespace relamp {
 
@@ -17,7 +18,7 @@ std::shared_ptr<const DistantLight> sided(std::shared_ptr<const DistantLight> li
     if (sides == evenSides || light->black()) return light;
     std::vector<Rgb> cells = light->cells();
     for (size_t c = 0; c < cells.size(); ++c) cells[c] *= sideFactor(sides, light->grid().direction(int(c)));
-    return std::make_shared<const DistantLight>(light->grid(), std::move(cells));
+    return std::make_shared<const DistantLight>(light->grid(), std::move(cells), sided(light->backdrop(), sides));
 }
 
 EnvironmentSides sidesFromJson(const Json& value, const std::string& where) {

@@ -59,7 +59,7 @@ public:
             const Vec3 d = camera_.rayDirection(Vec2(float(x), float(y)) + inside);
             const Hit hit = relit_.scene.cameraTracer->closest({origin_, d, 0, 1e30f});
             if (!hit) {
-                if (options_.background) gather.world += relit_.distant->smoothRadiance(d);
+                if (options_.background) gather.world += relit_.distant->background(d);
                 continue;
             }
             alpha += fraction;

@@ -6,6 +6,7 @@
 #include "base/box.h"
 #include "base/error.h"
 #include "image/environment_map.h"
+#include "relight/backdrop.h"
 #include "relight/standing_emitters.h"
 
 namespace relamp {
@@ -214,50 +215,76 @@ DirectionGrid gridFor(const Image& map) {
     return grid;
 }
 
-/// The recovered environment of a lighting state; empty: it has none. No name: the estimate's own.
-std::vector<Rgb> environmentNamed(const Estimate& estimate, const std::string& state, const char* field) {
-    if (state.empty()) return estimate.environment;
+/// The environment of a lighting state as LightingState::environment has it. No name: the estimate's own.
+int environmentNamed(const Estimate& estimate, const std::string& state, const char* field) {
+    if (state.empty()) return 0;
     for (const LightingState& s : estimate.states)
-        if (s.name == state) return environmentOf(estimate, s);
+        if (s.name == state) return s.environment;
     throw Error("environment.{}: no lighting state of the photographs is called {}", field, state);
 }
 
+/// Empty: there is none.
+std::vector<Rgb> cellsOf(const Estimate& estimate, int environment) {
+    if (environment < 0) return {};
+    return environment == 0 ? estimate.environment : estimate.otherEnvironments[size_t(environment - 1)].environment;
+}
+
 std::vector<Rgb> recoveredCells(const Estimate& estimate, const EnvironmentLook& look) {
-    std::vector<Rgb> cells = environmentNamed(estimate, look.state, "state");
+    std::vector<Rgb> cells = cellsOf(estimate, environmentNamed(estimate, look.state, "state"));
     cells.resize(estimate.environment.size(), Rgb(0));
     if (look.mixState.empty()) return cells;
-    std::vector<Rgb> other = environmentNamed(estimate, look.mixState, "mix_state");
+    std::vector<Rgb> other = cellsOf(estimate, environmentNamed(estimate, look.mixState, "mix_state"));
     other.resize(cells.size(), Rgb(0));
     for (size_t c = 0; c < cells.size(); ++c) cells[c] = (1 - look.mix) * cells[c] + look.mix * other[c];
     return cells;
 }
 
+/// The panoramas that go with recoveredCells; empty where one of them is missing.
+std::vector<Backdrop::Layer> recoveredLayers(const Estimate& estimate, const EnvironmentLook& look) {
+    std::vector<Backdrop::Layer> layers;
+    const auto add = [&](const std::string& state, float weight) {
+        const int environment = environmentNamed(estimate, state, "state");
+        if (environment < 0 || !(weight > 0)) return true;
+        layers.push_back(
+            {environment == 0 ? estimate.background : estimate.otherEnvironments[size_t(environment - 1)].background,
+             weight});
+        return bool(layers.back().panorama);
+    };
+    const bool mixed = !look.mixState.empty();
+    if (add(look.state, mixed ? 1 - look.mix : 1.0f) && (!mixed || add(look.mixState, look.mix))) return layers;
+    return {};
+}
+
 }  // namespace
 
 std::vector<Rgb> environmentOf(const Estimate& estimate, const LightingState& state) {
-    if (state.environment < 0) return {};
-    return state.environment == 0 ? estimate.environment
-                                  : estimate.otherEnvironments[size_t(state.environment - 1)].environment;
+    return cellsOf(estimate, state.environment);
 }
 
 std::shared_ptr<const DistantLight> distantOfLook(const Estimate& estimate, const EnvironmentLook& look) {
     DirectionGrid grid{estimate.environmentSide};
     std::vector<Rgb> cells;
+    Backdrop seen;
     if (look.source == EnvironmentLook::Source::none) {
         cells.assign(size_t(grid.cells()), Rgb(0));
     } else if (look.source == EnvironmentLook::Source::file) {
         Image map = readEnvironment(look.file);
-        if (look.yawDegrees != 0) map = yawed(map, look.yawDegrees);
         grid = gridFor(map);
-        cells = integrateOverCells(map, grid);
+        cells = integrateOverCells(look.yawDegrees == 0 ? map : yawed(map, look.yawDegrees), grid);
+        seen.layers.push_back({std::make_shared<const Panorama>(std::move(map)), 1});
     } else {
         cells = recoveredCells(estimate, look);
+        seen.layers = recoveredLayers(estimate, look);
         if (look.yawDegrees != 0)
             cells = integrateOverCells(yawed(latLongFromCells(cells, grid, 1024), look.yawDegrees), grid);
     }
     const Rgb gain = look.tint * std::exp2(look.exposureStops);
     for (Rgb& c : cells) c *= gain;
-    return sided(std::make_shared<const DistantLight>(grid, std::move(cells)), look.sides);
+    seen.yawDegrees = look.yawDegrees;
+    seen.gain = gain;
+    std::shared_ptr<const Backdrop> backdrop;
+    if (!seen.layers.empty()) backdrop = std::make_shared<const Backdrop>(std::move(seen));
+    return sided(std::make_shared<const DistantLight>(grid, std::move(cells), std::move(backdrop)), look.sides);
 }
 
 EditedGeometry editGeometry(const Scene& scene, const Estimate& estimate, const Look& look, const PartsApart& apart,

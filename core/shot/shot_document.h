@@ -18,6 +18,8 @@ void readShotDocument(const Json& document, const std::filesystem::path& folder,
 
 /// What files of an estimate's environment are called: of the main one "environment", of others "environment-2", ...
 std::string environmentStem(int environment);
+/// What follows the stem: radiance, its standard deviation, and what is seen of it behind the scene.
+inline constexpr std::array<const char*, 3> environmentEnds{".exr", "_sigma.exr", "_background.exr"};
 
 /// Version 1 had other names for some keys (docs/interface.md 2): gives such a document those of version 2.
 void upgradeShotDocument(Json& document);

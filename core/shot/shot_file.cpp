@@ -72,11 +72,30 @@ void writeEnvironment(const fs::path& folder, const std::string& stem, int side,
     writeColours(folder / (stem + "_sigma.exr"), deviations.width, deviations.height, deviations.pixels);
 }
 
+/// Half floats: nothing is measured on it.
+void writeBackground(const fs::path& folder, const std::string& stem, const Panorama* background) {
+    if (!background) return;
+    const size_t width = size_t(background->width());
+    writeChannelRows(folder / (stem + "_background.exr"), background->width(), background->height(), 64,
+                     {{"", {{"R", true}, {"G", true}, {"B", true}}}},
+                     [&](int first, int count, const std::vector<float*>& out) {
+                         for (int y = 0; y < count; ++y)
+                             for (size_t x = 0; x < width; ++x) {
+                                 const Rgb texel = background->at(int(x), first + y);
+                                 for (int c = 0; c < 3; ++c) out[size_t(c)][size_t(y) * width + x] = texel[c];
+                             }
+                     });
+}
+
 void writeEnvironments(const Estimate& e, const fs::path& folder) {
     writeEnvironment(folder, environmentStem(0), e.environmentSide, e.environment, e.environmentSigma);
-    for (size_t k = 0; k < e.otherEnvironments.size(); ++k)
-        writeEnvironment(folder, environmentStem(int(k) + 1), e.environmentSide, e.otherEnvironments[k].environment,
-                         e.otherEnvironments[k].sigma);
+    writeBackground(folder, environmentStem(0), e.background.get());
+    for (size_t k = 0; k < e.otherEnvironments.size(); ++k) {
+        const std::string stem = environmentStem(int(k) + 1);
+        const StateLight& other = e.otherEnvironments[k];
+        writeEnvironment(folder, stem, e.environmentSide, other.environment, other.sigma);
+        writeBackground(folder, stem, other.background.get());
+    }
 }
 
 /// Keys of the old shot.json that relamp does not write.
@@ -195,6 +214,12 @@ std::vector<Rgb> deviationCells(const fs::path& folder, const std::string& stem,
     return fs::exists(image, unreadable) ? integrateOverCells(readEnvironment(image), grid) : std::vector<Rgb>{};
 }
 
+/// Null where none was kept.
+std::shared_ptr<const Panorama> backgroundOf(const fs::path& folder, const std::string& stem) {
+    const fs::path image = folder / (stem + "_background.exr");
+    return isThere(image) ? std::make_shared<const Panorama>(readEnvironment(image)) : nullptr;
+}
+
 /// Vertices of a fitted ball belong to the emitter that has its centre.
 void nameBalls(const Capture& capture, const EmitterClusters& clusters, std::vector<float>& emitter) {
     const size_t first = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
@@ -292,9 +317,11 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
     const DirectionGrid grid{e.environmentSide};
     e.environment = environmentCells(folder, environmentStem(0), grid);
     e.environmentSigma = deviationCells(folder, environmentStem(0), grid);
+    e.background = backgroundOf(folder, environmentStem(0));
     for (size_t k = 0; k < e.otherEnvironments.size(); ++k) {
         const std::string stem = environmentStem(int(k) + 1);
-        e.otherEnvironments[k] = {environmentCells(folder, stem, grid), deviationCells(folder, stem, grid)};
+        e.otherEnvironments[k] = {environmentCells(folder, stem, grid), deviationCells(folder, stem, grid),
+                                  backgroundOf(folder, stem)};
     }
     std::vector<float> emitter = files.column("emitter", -1);
     nameBalls(shot.capture, e.emitters, emitter);
@@ -309,7 +336,7 @@ InputFiles shotFiles(const Shot& shot, Progress& progress) {
     InputFiles files = captureFiles(shot.captureFolder, shot.fix, progress);
     for (const std::string& part : shotParts()) files.add(shot.folder / part);
     for (size_t k = 0; k < shot.estimate.otherEnvironments.size(); ++k)
-        for (const char* end : {".exr", "_sigma.exr"}) files.add(shot.folder / (environmentStem(int(k) + 1) + end));
+        for (const char* end : environmentEnds) files.add(shot.folder / (environmentStem(int(k) + 1) + end));
     files.addFolder(shot.folder / "cache");
     for (const Lobe& lobe : shot.estimate.reflectance.basis.lobes)
         if (lobe.measured) files.add(lobe.measured->file);

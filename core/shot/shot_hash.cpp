@@ -10,9 +10,10 @@ namespace relamp {
 
 std::string shotHash(const std::filesystem::path& folder) {
     uint64_t hash = 0xcbf29ce484222325u;
-    std::vector<std::string> names{"shot.json", "environment.exr", "reflectance.ply",
-                                   "added.ply", "albedo.exr",      "albedo_confidence.exr"};
-    for (int k = 1; isThere(folder / (environmentStem(k) + ".exr")); ++k) names.push_back(environmentStem(k) + ".exr");
+    std::vector<std::string> names{"shot.json",  "environment.exr",       "reflectance.ply",           "added.ply",
+                                   "albedo.exr", "albedo_confidence.exr", "environment_background.exr"};
+    for (int k = 1; isThere(folder / (environmentStem(k) + ".exr")); ++k)
+        for (const char* end : {".exr", "_background.exr"}) names.push_back(environmentStem(k) + end);
     for (size_t k = 0; k < names.size(); ++k) {
         if (k > 2 && !isThere(folder / names[k])) continue;
         const std::string& name = names[k];

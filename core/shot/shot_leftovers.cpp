@@ -59,7 +59,7 @@ std::optional<Leftover> leftoverOf(const fs::path& entry, const std::string& sho
 
 /// Temporary files of the writers, ".environment.4711.exr".
 bool isTemporary(const std::string& name) {
-    for (const char* stem : {".shot.", ".environment.", ".environment_sigma.", ".environment-", ".reflectance."})
+    for (const char* stem : {".shot.", ".environment.", ".environment_", ".environment-", ".reflectance."})
         if (name.starts_with(stem)) return true;
     return false;
 }
@@ -67,7 +67,7 @@ bool isTemporary(const std::string& name) {
 /// "environment-2.exr" or "environment-2_sigma.exr", of a lighting state.
 bool isStateEnvironment(const std::string& name) {
     for (int k = 1; k < int(mostStates); ++k)
-        for (const char* end : {".exr", "_sigma.exr"})
+        for (const char* end : environmentEnds)
             if (name == environmentStem(k) + end) return true;
     return false;
 }
@@ -100,7 +100,7 @@ bool isPartOfShot(const std::string& name) {
 
 const std::vector<std::string>& shotParts() {
     static const std::vector<std::string> parts{
-        "shot.json", "environment.exr", "environment_sigma.exr", "reflectance.ply",
+        "shot.json", "environment.exr", "environment_sigma.exr", "environment_background.exr", "reflectance.ply",
         "added.ply", "albedo.exr",      "albedo_confidence.exr"};
     return parts;
 }

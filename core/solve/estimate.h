@@ -8,6 +8,7 @@
 #include "brdf/basis.h"
 #include "brdf/lobe_weights.h"
 #include "clusters/emitter_clusters.h"
+#include "image/panorama.h"
 #include "solve/albedo/palette.h"
 #include "solve/known_patch.h"
 #include "solve/omission.h"
@@ -116,6 +117,7 @@ struct LightingState {
 struct StateLight {
     std::vector<Rgb> environment;
     std::vector<Rgb> sigma;  ///< standard deviation; empty where it was not assessed
+    std::shared_ptr<const Panorama> background{};  ///< as Estimate::background
 };
 
 struct Estimate {
@@ -126,6 +128,8 @@ struct Estimate {
     std::vector<Rgb> environment;  ///< mean radiance of each cell of the square of side environmentSide
     int environmentSide = 256;
     std::vector<Rgb> environmentSigma;  ///< its standard deviation, per cell, radiance; empty where it was not assessed
+    /// What photographs show of it behind the scene, finer than the cells, which fill the rest; null: nothing.
+    std::shared_ptr<const Panorama> background;
     std::vector<Rgb> emitterSigma;      ///< standard deviation of each emitter's radiance
     std::vector<LightingState> states;  ///< of the photographs, for EmitterCluster::inState; empty: there is one
     std::vector<StateLight> otherEnvironments;  ///< of states that have an environment of their own

@@ -266,13 +266,30 @@ TEST(ApplyLook, EnvironmentIsScaledTintedTurnedOrReplaced) {
     EXPECT_LT(test::relitOf(w.scene, w.estimate, look).distant->radiance({1, 0, 0}).x, 0.1f);
 }
 
+TEST(DistantLight, OfAFileShowsTheFileBehindTheScene) {
+    const test::TemporaryFolder folder;
+    Image map(2048, 1024);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) map.at(x, y) = Rgb(x / 2 % 2 ? 1.0f : 0.1f);  // third of a degree
+    writeImage(folder / "sky.exr", map);
+    const Scene scene = test::sceneOf(test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+    Look look;
+    look.environment.source = EnvironmentLook::Source::file;
+    look.environment.file = folder / "sky.exr";
+    const auto distant = test::relitOf(scene, test::matteEstimate(scene, Rgb(0.5f), Rgb(1)), look).distant;
+    for (int x = 300; x < 308; ++x) {
+        const Vec3 d = directionFromLatLong({(float(x) + 0.5f) / 2048, 400.5f / 1024});
+        EXPECT_NEAR(distant->background(d).x, x / 2 % 2 ? 1.0f : 0.1f, 0.02f) << x;
+    }
+}
+
 TEST(DistantLight, IsSmoothBetweenCellCentresAndExactAtThem) {
     const DirectionGrid grid{16};
     std::vector<Rgb> cells(size_t(grid.cells()), Rgb(0.2f));
     cells[37] = Rgb(90);
     const DistantLight light(grid, cells);
-    EXPECT_NEAR(light.smoothRadiance(grid.direction(37)).x, 90, 0.1);
-    EXPECT_NEAR(light.smoothRadiance(grid.direction(37, Vec2(1.0f, 0.5f))).x, 45.1, 0.1);
+    EXPECT_NEAR(light.background(grid.direction(37)).x, 90, 0.1);
+    EXPECT_NEAR(light.background(grid.direction(37, Vec2(1.0f, 0.5f))).x, 45.1, 0.1);
     EXPECT_TRUE(DistantLight(grid, std::vector<Rgb>(256, Rgb(0))).black());
     EXPECT_FALSE(light.black());
 }

@@ -113,6 +113,13 @@ void uploadHalf(GlTexture& texture, int width, int height, const uint64_t* rgba)
     setSampling(GL_LINEAR, GL_CLAMP_TO_EDGE);
 }
 
+void uploadHalf(GlTexture& texture, int width, int height, const uint16_t* rgb) {
+    glBindTexture(GL_TEXTURE_2D, texture.id());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB16F, width, height, 0, GL_RGB, GL_HALF_FLOAT, rgb);
+    setSampling(GL_LINEAR, GL_REPEAT);
+}
+
 bool isSoftware(const std::string& renderer) {
     for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "Software"})
         if (renderer.find(name) != std::string::npos) return true;

@@ -100,6 +100,8 @@ void uploadRgba8(GlTexture& texture, int width, int height, const uint8_t* rgba)
 void uploadHalf(GlTexture& texture, int width, int height, const float* rgba, bool repeatX);
 /// The same of halves, four a pixel.
 void uploadHalf(GlTexture& texture, int width, int height, const uint64_t* rgba);
+/// Of halves, three a pixel; repeats from left to right.
+void uploadHalf(GlTexture& texture, int width, int height, const uint16_t* rgb);
 
 /// The driver of this name draws on the processor.
 bool isSoftware(const std::string& renderer);

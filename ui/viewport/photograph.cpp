@@ -79,7 +79,7 @@ void coverSurfaces(const View& view, const ViewGeometry& geometry, const Distant
                     covered = geometry.triangle[size_t(j) * size_t(geometry.width) + size_t(i)] != ~0u;
             if (covered)
                 pixels[y * size_t(width) + size_t(x)] =
-                    Vec4(glm::clamp(distant.smoothRadiance(direction), Rgb(0), Rgb(60000)), 1);
+                    Vec4(glm::clamp(distant.background(direction), Rgb(0), Rgb(60000)), 1);
         }
     });
 }

@@ -123,13 +123,16 @@ void Renderer::drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4
     glScissor(box.left, eye.height - box.top - box.height, box.width, box.height);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
-    if (layer.environment) {
+    if (const EnvironmentImage& environment = layer.environment; environment.latLong) {
         environment_.use();
         setMatrix(environment_, "worldFromClip", glm::inverse(eye.clipFromWorld));
         setVector(environment_, "forward", eye.forward);
         setInt(environment_, "orthographic", eye.orthographic);
         setInt(environment_, "latLong", 0);
-        bindTexture(0, layer.environment);
+        glUniform1f(environment_.uniform("yaw"), environment.yawDegrees * pi / 180);
+        setVector(environment_, "gain", environment.gain);
+        glUniform3fv(environment_.uniform("sides"), GLsizei(environment.sides.size()), &environment.sides[0].x);
+        bindTexture(0, environment.latLong);
         drawWhole();
     }
     const auto drawImage = [&](GLuint texture) {

@@ -6,17 +6,26 @@
 #include <vector>
 
 #include "image/image_region.h"
+#include "relight/environment_sides.h"
 #include "viewport/display_transform.h"
 #include "viewport/eye_view.h"
 #include "viewport/gpu_mesh.h"
 
 namespace relamp::ui {
 
+/// The environment behind everything.
+struct EnvironmentImage {
+    GLuint latLong = 0;                  ///< latitude-longitude texture; 0: none
+    float yawDegrees = 0;                ///< it is turned about +Z, counter-clockwise from above
+    Rgb gain{1};                         ///< factor on it
+    EnvironmentSides sides = evenSides;  ///< factors on its sides
+};
+
 /// What fills a vertical strip of the image.
 struct SceneLayer {
     float left = 0, right = 1;  ///< fraction of the image's width
-    GLuint environment = 0;     ///< latitude-longitude texture behind everything; 0: none
-    GLuint behind = 0;          ///< image behind the mesh: the photograph
+    EnvironmentImage environment;
+    GLuint behind = 0;  ///< image behind the mesh: the photograph
     GpuMesh* mesh = nullptr;
     GlBuffer* colours = nullptr;
     bool display = false;      ///< the colours are display values

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "edit/state_edits.h"
 #include "image/environment_map.h"
+#include "relight/backdrop.h"
 #include "viewport/navigation.h"
 #include "viewport/picking.h"
 #include "viewport/space_lines.h"
@@ -158,7 +159,7 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
                         ? photographs_.backdrop(editor.state.document.capture, key_.view, *samples, live->distant)
                         : 0;
                 layer.behind = backdrop ? backdrop : photograph;
-            } else if (key_.distant && model) layer.environment = environmentTexture(live ? live->distant : nullptr);
+            } else if (key_.distant && model) layer.environment = environmentImage(live ? live->distant : nullptr);
             if (mesh.drawable) {
                 layer.mesh = &mesh.geometry;
                 layer.colours = &mesh.colours;
@@ -306,22 +307,31 @@ void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float 
     job_.outlineBox[2] = int(std::ceil(to.x)) - int(from.x), job_.outlineBox[3] = int(std::ceil(to.y)) - int(from.y);
 }
 
-GLuint ViewportImage::environmentTexture(const std::shared_ptr<const DistantLight>& distant) {
-    if (!distant) return 0;
+EnvironmentImage ViewportImage::environmentImage(const std::shared_ptr<const DistantLight>& distant) {
+    if (!distant) return {};
+    const Backdrop* backdrop = distant->backdrop().get();
+    if (backdrop && backdrop->layers.size() == 1) {
+        // Turns and colours are the shader's: a panorama goes to the card once.
+        const auto& [panorama, weight] = backdrop->layers[0];
+        if (panorama != environmentShown_)
+            uploadHalf(environment_, panorama->width(), panorama->height(), panorama->halves().data());
+        environmentShown_ = panorama;
+        return {environment_.id(), backdrop->yawDegrees, weight * panorama->scale() * backdrop->gain, backdrop->sides};
+    }
     if (distant != environmentShown_) {
-        constexpr int width = 512, height = 256;
-        std::vector<Vec4> texels(size_t(width) * height);
+        const int height = backdrop ? 1024 : 256, width = 2 * height;
+        std::vector<Vec4> texels(size_t(width) * size_t(height));
         parallelFor(size_t(height), 8, [&](size_t y) {
             for (int x = 0; x < width; ++x) {
-                const Vec3 direction = directionFromLatLong({(float(x) + 0.5f) / width, (float(y) + 0.5f) / height});
-                texels[y * width + size_t(x)] =
-                    Vec4(glm::clamp(distant->smoothRadiance(direction), Rgb(0), Rgb(60000)), 1);
+                const Vec2 place((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height));
+                const Rgb seen = distant->background(directionFromLatLong(place));
+                texels[y * size_t(width) + size_t(x)] = Vec4(glm::clamp(seen, Rgb(0), Rgb(60000)), 1);
             }
         });
         uploadHalf(environment_, width, height, &texels[0].x, true);
         environmentShown_ = distant;
     }
-    return environment_.id();
+    return {environment_.id()};
 }
 
 GLuint ViewportImage::plateTexture() {

@@ -82,7 +82,7 @@ private:
         std::shared_ptr<const Estimate> shown;
     };
     DetailTexture factor_, confidence_, correction_;
-    std::shared_ptr<const DistantLight> environmentShown_;
+    std::shared_ptr<const void> environmentShown_;  ///< a panorama, or the light it was drawn from
     std::shared_ptr<const Frame> restShown_;
     GlBuffer lines_, outline_;
     size_t lineVertices_ = 0, outlineCount_ = 0;
@@ -102,7 +102,7 @@ private:
     void placeTexture(const Editor& editor, Painted& painted, const std::vector<uint8_t>& visible, bool otherTriangles);
     void makeLines(const Editor& editor, const EyeView& eye);
     void makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint);
-    GLuint environmentTexture(const std::shared_ptr<const DistantLight>& distant);
+    EnvironmentImage environmentImage(const std::shared_ptr<const DistantLight>& distant);
     /// The texture of the estimate that is edited, as a paint shows it; 0: it has none.
     GLuint detailTexture(const Editor& editor, Paint paint);
     /// Of the plate's present frame, as opaque as it is wanted; 0: there is none.

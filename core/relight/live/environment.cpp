@@ -1,6 +1,7 @@
 #include "relight/live/environment.h"
 
 #include "base/parallel.h"
+#include "relight/backdrop.h"
 #include "transport/transport_store.h"
 
 namespace relamp {
@@ -55,7 +56,7 @@ std::shared_ptr<const DistantLight> turned(const DistantLight& distant, float de
             out[size_t(grid.cellOf(turn(grid.direction(int(c), inside), sine)))] += bright / float(points * points);
         }
     }
-    return std::make_shared<const DistantLight>(grid, std::move(out));
+    return std::make_shared<const DistantLight>(grid, std::move(out), turned(distant.backdrop(), degrees));
 }
 
 }  // namespace relamp

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "brdf/layered_albedo.h"
+#include "relight/backdrop.h"
 #include "relight/live/state.h"
 
 namespace relamp {
@@ -59,12 +60,14 @@ PartsApart LiveScene::State::apartOf(const Look& next) const {
 }
 
 std::shared_ptr<const DistantLight> LiveScene::State::unturnedOf(const EnvironmentLook& next) const {
-    const EnvironmentLook& now = look.environment;
-    if (unturned && next.source == now.source && next.file == now.file) return unturned;
-    EnvironmentLook bare;
-    bare.source = next.source;
-    bare.file = next.file;
-    return distantOfLook(*estimate, bare);
+    const auto sourceOf = [](EnvironmentLook of) {
+        of.yawDegrees = of.exposureStops = 0;
+        of.tint = Rgb(1);
+        of.sides = evenSides;
+        return of;
+    };
+    const EnvironmentLook bare = sourceOf(next);
+    return unturned && bare == sourceOf(look.environment) ? unturned : distantOfLook(*estimate, bare);
 }
 
 void LiveScene::State::takeEnvironment(const EnvironmentLook& next, std::shared_ptr<const DistantLight> nextUnturned) {
@@ -84,7 +87,9 @@ void LiveScene::State::takeEnvironment(const EnvironmentLook& next, std::shared_
         std::vector<Rgb> cells = plain->cells();
         if (nextGain != Rgb(1))
             for (Rgb& c : cells) c *= nextGain;
-        distant = nextGain == Rgb(1) ? plain : std::make_shared<const DistantLight>(plain->grid(), std::move(cells));
+        distant = nextGain == Rgb(1) ? plain
+                                     : std::make_shared<const DistantLight>(plain->grid(), std::move(cells),
+                                                                            brighter(plain->backdrop(), nextGain));
         gain = nextGain;
         newValues = true;
     }
