@@ -191,20 +191,37 @@ void checkShotCanBeWritten(const fs::path& folder, const InputFiles& inputs) {
 
 namespace {
 
+struct EnvironmentOfFile {
+    std::vector<Rgb> cells;
+    bool painted = false;  ///< the image says something else than the cells that were written with it
+};
+
+bool differ(const std::vector<Rgb>& cells, const std::vector<Rgb>& kept) {
+    constexpr float tolerance = 0.05f;  // the image has texels of another shape
+    DVec3 sum(0);
+    for (const Rgb& c : kept) sum += DVec3(c);
+    const float mean = maxChannel(Rgb(sum / double(kept.size())));
+    double apart = 0;
+    for (size_t c = 0; c < cells.size(); ++c) apart += double(maxChannel(glm::abs(cells[c] - kept[c])));
+    return apart > double(tolerance * mean) * double(cells.size());
+}
+
 /// From the cache when it is whole and not older than the image, which an artist may have painted over.
-std::vector<Rgb> environmentCells(const fs::path& folder, const std::string& stem, const DirectionGrid& grid) {
+EnvironmentOfFile readEnvironmentOf(const fs::path& folder, const std::string& stem, const DirectionGrid& grid) {
     const fs::path image = folder / (stem + ".exr"), cache = folder / "cache" / (stem + "_cells.exr");
     std::error_code failed, missing;
     const auto made = fs::last_write_time(cache, missing), painted = fs::last_write_time(image, failed);
-    if (!missing && !failed && made >= painted) {
-        try {
-            const Image cells = readImage(cache);
-            if (cells.width == grid.side && cells.height == grid.side) return cells.pixels;
+    std::vector<Rgb> kept;
+    if (!missing && !failed) try {
+            Image cells = readImage(cache);
+            if (cells.width == grid.side && cells.height == grid.side) kept = std::move(cells.pixels);
         } catch (const Error&) {
             // A damaged cache is no loss.
         }
-    }
-    return integrateOverCells(readEnvironment(image), grid);
+    if (!kept.empty() && made >= painted) return {std::move(kept)};
+    EnvironmentOfFile read{integrateOverCells(readEnvironment(image), grid)};
+    read.painted = !kept.empty() && differ(read.cells, kept);
+    return read;
 }
 
 /// Empty where none was kept.
@@ -214,10 +231,14 @@ std::vector<Rgb> deviationCells(const fs::path& folder, const std::string& stem,
     return fs::exists(image, unreadable) ? integrateOverCells(readEnvironment(image), grid) : std::vector<Rgb>{};
 }
 
-/// Null where none was kept.
-std::shared_ptr<const Panorama> backgroundOf(const fs::path& folder, const std::string& stem) {
+/// Null where none was kept, and beside an environment that was painted over and is newer.
+std::shared_ptr<const Panorama> backgroundOf(const fs::path& folder, const std::string& stem, bool painted) {
     const fs::path image = folder / (stem + "_background.exr");
-    return isThere(image) ? std::make_shared<const Panorama>(readEnvironment(image)) : nullptr;
+    if (!isThere(image)) return nullptr;
+    std::error_code failed;
+    if (painted && fs::last_write_time(folder / (stem + ".exr"), failed) > fs::last_write_time(image, failed))
+        return nullptr;
+    return std::make_shared<const Panorama>(readEnvironment(image));
 }
 
 /// Vertices of a fitted ball belong to the emitter that has its centre.
@@ -315,13 +336,15 @@ Shot readShot(const fs::path& folder, bool withImages, Progress& progress, const
                                             folder / "albedo_confidence.exr");
     e.nearFieldCorrection = files.nearFieldCorrection(e.emitters.emitters.size());
     const DirectionGrid grid{e.environmentSide};
-    e.environment = environmentCells(folder, environmentStem(0), grid);
+    EnvironmentOfFile read = readEnvironmentOf(folder, environmentStem(0), grid);
+    e.environment = std::move(read.cells);
     e.environmentSigma = deviationCells(folder, environmentStem(0), grid);
-    e.background = backgroundOf(folder, environmentStem(0));
+    e.background = backgroundOf(folder, environmentStem(0), read.painted);
     for (size_t k = 0; k < e.otherEnvironments.size(); ++k) {
         const std::string stem = environmentStem(int(k) + 1);
-        e.otherEnvironments[k] = {environmentCells(folder, stem, grid), deviationCells(folder, stem, grid),
-                                  backgroundOf(folder, stem)};
+        read = readEnvironmentOf(folder, stem, grid);
+        e.otherEnvironments[k] = {std::move(read.cells), deviationCells(folder, stem, grid),
+                                  backgroundOf(folder, stem, read.painted)};
     }
     std::vector<float> emitter = files.column("emitter", -1);
     nameBalls(shot.capture, e.emitters, emitter);
