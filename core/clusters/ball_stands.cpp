@@ -14,6 +14,7 @@ namespace {
 
 // In radii of the ball, from its centre.
 constexpr double endsWithin = 2, knownTo = 4;
+constexpr double bagsTo = 1.5;                ///< a mesh wraps ball and stand in one bag: what is nearer is no tube
 constexpr double leastLength = 1;             ///< of the tube that is known
 constexpr double thickest = 0.75;             ///< radius of the tube
 constexpr double offCentre = 0.5;             ///< of the axis, at most
@@ -53,7 +54,7 @@ std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre
     for (const DVec3& p : points)
         if (tube.at(p) > tube.from) radii.push_back(tube.off(p));
     if (radii.size() < leastVertices) return {};
-    tube.radius = quantileOf(radii, 0.75);
+    tube.radius = medianOf(radii);
     const auto ofTube = [&](double r) { return std::abs(r - tube.radius) < ofOneRadius * tube.radius; };
     const double part = double(std::count_if(radii.begin(), radii.end(), ofTube)) / double(radii.size());
     if (tube.radius > thickest * ball || part < mostOfOne) return {};
@@ -66,9 +67,12 @@ std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre
     return std::popcount(around) >= leastSectors ? std::optional(tube) : std::nullopt;
 }
 
-/// From the ball's inside to where the tube is whole.
-SurfacePatch sleeveOf(const Tube& tube, const DVec3& centre, double ball) {
+/// From the ball's inside to where the tube is whole, in place of `bag`, triangles of the mesh.
+SurfacePatch sleeveOf(const Mesh& mesh, const std::vector<uint32_t>& bag, Tube tube, const DVec3& centre, double ball) {
     SurfacePatch patch;
+    patch.replaced = bag;
+    for (const uint32_t t : bag)
+        for (const uint32_t v : mesh.triangles[t]) tube.from = std::max(tube.from, tube.at(DVec3(mesh.positions[v])));
     const DVec3& along = tube.axes[0];
     for (const bool inBall : {false, true})
         for (int i = 0; i < sleeveSides; ++i) {
@@ -104,9 +108,15 @@ std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLi
         Mesh about;
         about.positions = mesh.positions;
         const auto distance = [&](uint32_t v) { return glm::length(DVec3(mesh.positions[v]) - ball.centre); };
-        for (const Triangle& t : mesh.triangles)
-            if (std::all_of(t.begin(), t.end(), [&](uint32_t v) { return distance(v) < knownTo * radius; }))
-                about.triangles.push_back(t);
+        std::vector<uint32_t> number;  // in the mesh, of the triangles about the ball
+        for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            const Triangle& corners = mesh.triangles[t];
+            if (!std::all_of(corners.begin(), corners.end(),
+                             [&](uint32_t v) { return distance(v) < knownTo * radius; }))
+                continue;
+            about.triangles.push_back(corners);
+            number.push_back(t);
+        }
         uint32_t count = 0;
         const std::vector<uint32_t> piece = connectedComponents(buildVertexGraph(about), &count);
         std::vector<uint8_t> ends(count, 0), used(mesh.vertexCount(), 0);
@@ -115,13 +125,22 @@ std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLi
             for (const uint32_t v : t) {
                 if (used[v]) continue;
                 used[v] = 1;
-                points[piece[v]].push_back(DVec3(mesh.positions[v]));
+                if (distance(v) > bagsTo * radius) points[piece[v]].push_back(DVec3(mesh.positions[v]));
                 ends[piece[v]] |= rim[v] && distance(v) < endsWithin * radius;
             }
-        for (uint32_t k = 0; k < count; ++k)
-            if (ends[k])
-                if (const std::optional<Tube> tube = tubeOf(points[k], ball.centre, radius))
-                    sleeves.push_back(sleeveOf(*tube, ball.centre, radius));
+        for (uint32_t k = 0; k < count; ++k) {
+            if (!ends[k]) continue;
+            const std::optional<Tube> tube = tubeOf(points[k], ball.centre, radius);
+            if (!tube) continue;
+            std::vector<uint32_t> bag;
+            for (size_t i = 0; i < number.size(); ++i) {
+                const Triangle& t = about.triangles[i];
+                if (piece[t[0]] == k &&
+                    std::any_of(t.begin(), t.end(), [&](uint32_t v) { return distance(v) < bagsTo * radius; }))
+                    bag.push_back(number[i]);
+            }
+            sleeves.push_back(sleeveOf(mesh, bag, *tube, ball.centre, radius));
+        }
     }
     return sleeves;
 }

@@ -179,10 +179,15 @@ public:
         add(found.removed, mend_.removed);
         Mesh left = file_;
         applyMend(mend_, left);
-        for (const SurfacePatch& sleeve : ballStands(left, found.balls)) {
-            addPatch(sleeve);
-            found.words.push_back("what holds a ball of light ended before it: it reaches into the ball");
+        const std::vector<SurfacePatch> sleeves = ballStands(left, found.balls);
+        std::vector<uint32_t> necks;
+        for (const SurfacePatch& sleeve : sleeves) {
+            necks.insert(necks.end(), sleeve.replaced.begin(), sleeve.replaced.end());
+            found.words.push_back(
+                "what holds a ball of light ended before it, or wrapped it: it reaches into the ball");
         }
+        add(necks, mend_.removed);
+        for (const SurfacePatch& sleeve : sleeves) addPatch(sleeve);
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;

@@ -72,6 +72,29 @@ TEST(BallStands, APostReachesTheBallWithItsWholeRadius) {
     }
 }
 
+TEST(BallStands, TheNeckOfABagGoesAndIsNoPartOfThePost) {
+    // Wider towards the ball, as a surface that wrapped both is; the ball took the rest of it.
+    const Mesh mesh = rings(0.02f, 0.3f, Vec3(0, 0, -1),
+                            [](float below) { return below < 0.045f ? 0.01f + 0.8f * (0.045f - below) : 0.01f; });
+    const std::vector<SurfacePatch> sleeves = ballStands(mesh, oneBall());
+    ASSERT_EQ(sleeves.size(), 1u);
+    for (const Vec3& p : sleeves[0].positions) EXPECT_NEAR(glm::length(Vec2(p - ballCentre)), 0.01f, 5e-4f);
+    float wrapped = 0, below = 0;
+    std::vector<uint8_t> gone(mesh.triangles.size(), 0);
+    for (const uint32_t t : sleeves[0].replaced) gone[t] = 1;
+    for (size_t t = 0; t < gone.size(); ++t)
+        for (const uint32_t v : mesh.triangles[t]) {
+            const float distance = glm::length(mesh.positions[v] - ballCentre);
+            if (!gone[t] && distance < 1.45f * ballRadius) ++wrapped;
+            if (gone[t] && distance > 2 * ballRadius) ++below;
+        }
+    EXPECT_EQ(wrapped, 0) << "light to the ground passes";
+    EXPECT_EQ(below, 0) << "the post stays";
+    float reaches = 0;
+    for (const Vec3& p : sleeves[0].positions) reaches = std::max(reaches, ballCentre.z - p.z);
+    EXPECT_GT(reaches, 1.5f * ballRadius) << "no gap is left";
+}
+
 TEST(BallStands, WhatIsNoPostStaysAsItIs) {
     const Vec3 down(0, 0, -1);
     // A shade about the ball, a post that ends far below it, and one beside it.
