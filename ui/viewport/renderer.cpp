@@ -123,7 +123,7 @@ void Renderer::drawPart(const ImageJob& job, const SceneLayer& layer, const Mat4
     glScissor(box.left, eye.height - box.top - box.height, box.width, box.height);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
-    if (const EnvironmentImage& environment = layer.environment; environment.latLong) {
+    if (const EnvironmentLayer& environment = layer.environment; environment.latLong) {
         environment_.use();
         setMatrix(environment_, "worldFromClip", glm::inverse(eye.clipFromWorld));
         setVector(environment_, "forward", eye.forward);

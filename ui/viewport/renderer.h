@@ -14,7 +14,7 @@
 namespace relamp::ui {
 
 /// The environment behind everything.
-struct EnvironmentImage {
+struct EnvironmentLayer {
     GLuint latLong = 0;                  ///< latitude-longitude texture; 0: none
     float yawDegrees = 0;                ///< it is turned about +Z, counter-clockwise from above
     Rgb gain{1};                         ///< factor on it
@@ -24,7 +24,7 @@ struct EnvironmentImage {
 /// What fills a vertical strip of the image.
 struct SceneLayer {
     float left = 0, right = 1;  ///< fraction of the image's width
-    EnvironmentImage environment;
+    EnvironmentLayer environment;
     GLuint behind = 0;  ///< image behind the mesh: the photograph
     GpuMesh* mesh = nullptr;
     GlBuffer* colours = nullptr;

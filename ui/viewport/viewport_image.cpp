@@ -159,7 +159,7 @@ void ViewportImage::compose(Editor& editor, const EyeView& eye) {
                         ? photographs_.backdrop(editor.state.document.capture, key_.view, *samples, live->distant)
                         : 0;
                 layer.behind = backdrop ? backdrop : photograph;
-            } else if (key_.distant && model) layer.environment = environmentImage(live ? live->distant : nullptr);
+            } else if (key_.distant && model) layer.environment = environmentLayer(live ? live->distant : nullptr);
             if (mesh.drawable) {
                 layer.mesh = &mesh.geometry;
                 layer.colours = &mesh.colours;
@@ -307,7 +307,7 @@ void ViewportImage::makeOutline(const Editor& editor, const EyeView& eye, float 
     job_.outlineBox[2] = int(std::ceil(to.x)) - int(from.x), job_.outlineBox[3] = int(std::ceil(to.y)) - int(from.y);
 }
 
-EnvironmentImage ViewportImage::environmentImage(const std::shared_ptr<const DistantLight>& distant) {
+EnvironmentLayer ViewportImage::environmentLayer(const std::shared_ptr<const DistantLight>& distant) {
     if (!distant) return {};
     const Backdrop* backdrop = distant->backdrop().get();
     if (backdrop && backdrop->layers.size() == 1) {

@@ -102,7 +102,7 @@ private:
     void placeTexture(const Editor& editor, Painted& painted, const std::vector<uint8_t>& visible, bool otherTriangles);
     void makeLines(const Editor& editor, const EyeView& eye);
     void makeOutline(const Editor& editor, const EyeView& eye, float pixelsPerPoint);
-    EnvironmentImage environmentImage(const std::shared_ptr<const DistantLight>& distant);
+    EnvironmentLayer environmentLayer(const std::shared_ptr<const DistantLight>& distant);
     /// The texture of the estimate that is edited, as a paint shows it; 0: it has none.
     GLuint detailTexture(const Editor& editor, Paint paint);
     /// Of the plate's present frame, as opaque as it is wanted; 0: there is none.
