@@ -54,7 +54,7 @@ std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre
     for (const DVec3& p : points)
         if (tube.at(p) > tube.from) radii.push_back(tube.off(p));
     if (radii.size() < leastVertices) return {};
-    tube.radius = medianOf(radii);
+    tube.radius = quantileOf(radii, 0.75);
     const auto ofTube = [&](double r) { return std::abs(r - tube.radius) < ofOneRadius * tube.radius; };
     const double part = double(std::count_if(radii.begin(), radii.end(), ofTube)) / double(radii.size());
     if (tube.radius > thickest * ball || part < mostOfOne) return {};

@@ -11,7 +11,7 @@ namespace {
 constexpr int leastWidth = 1024;    // that of environment.exr
 constexpr double leastSeen = 1e-3;  // of all directions
 constexpr float feather = 6;        // pixels over which a photograph's edge goes over into the cells
-constexpr float cellDegrees = 12;    // over which cells that no photograph shows are evened out
+constexpr float cellDegrees = 12;   // over which cells that no photograph shows are evened out
 constexpr int block = 16;           // texels a side that share a list of views
 
 /// What a view shows past the mesh.

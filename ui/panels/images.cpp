@@ -58,6 +58,21 @@ PhotographImage photographOf(const std::string& key, const std::function<Image()
     return {thumbnail(key, [&] { return std::move(reading->display); }), reading->width, reading->height, false, {}};
 }
 
+/// Latitude-longitude image of an environment as it is seen behind the scene.
+Image shownOf(const DistantLight& light) {
+    constexpr int width = 256, points = 4;  // of an axis of a pixel
+    if (!light.backdrop()) return latLongFromCells(light.cells(), light.grid(), width);
+    Image image(width, width / 2);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < width; ++x)
+            for (int k = 0; k < points * points; ++k) {
+                const Vec2 inside = (Vec2(k % points, k / points) + 0.5f) / float(points);
+                const Vec2 place = (Vec2(x, y) + inside) / Vec2(float(width), float(image.height));
+                image.at(x, y) += light.background(directionFromLatLong(place)) / float(points * points);
+            }
+    return image;
+}
+
 }  // namespace
 
 Image displayImage(const Image& linear, int longestSide, float exposure) {
@@ -111,7 +126,7 @@ EnvironmentImage recoveredEnvironmentImage(const std::shared_ptr<const Estimate>
                           } catch (const Error&) {  // a state that the photographs do not have: frames say so
                               light = distantOfLook(*estimate, {});
                           }
-                          return displayImage(latLongFromCells(light->cells(), light->grid(), 256), 256);
+                          return displayImage(shownOf(*light), 256);
                       }),
             false,
             {}};

@@ -319,7 +319,7 @@ EnvironmentLayer ViewportImage::environmentLayer(const std::shared_ptr<const Dis
         return {environment_.id(), backdrop->yawDegrees, weight * panorama->scale() * backdrop->gain, backdrop->sides};
     }
     if (distant != environmentShown_) {
-        const int height = backdrop ? 1024 : 256, width = 2 * height;
+        const int height = backdrop ? 512 : 256, width = 2 * height;  // a mix is drawn anew in every step
         std::vector<Vec4> texels(size_t(width) * size_t(height));
         parallelFor(size_t(height), 8, [&](size_t y) {
             for (int x = 0; x < width; ++x) {
