@@ -86,7 +86,8 @@ int widthFor(const Capture& capture, int most) {
         wanted.push_back(2 * pi * float(std::max(view.camera.focalX, view.camera.focalY)));
     const float middle = medianOf(std::move(wanted));
     int width = leastWidth;
-    while (width < most && float(width) < middle) width *= 2;
+    for (bool power = true; width < most && float(width) < middle; power = !power)
+        width = power ? width / 2 * 3 : width / 3 * 4;  // 1024, 1536, 2048, ...: halved often without a rest
     return std::min(width, most);
 }
 
