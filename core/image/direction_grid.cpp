@@ -1,6 +1,7 @@
 #include "image/direction_grid.h"
 
 #include "base/parallel.h"
+#include "image/mirrored_cell.h"
 
 namespace relamp {
 
@@ -29,24 +30,13 @@ Vec2 sphereToSquare(const Vec3& direction) {
 }
 
 Rgb interpolated(const std::vector<Rgb>& cells, const DirectionGrid& grid, const Vec3& direction) {
-    const int last = grid.side - 1;
     const Vec2 p = sphereToSquare(direction * grid.axes) * float(grid.side) - Vec2(0.5f);
     const int x = int(std::floor(p.x)), y = int(std::floor(p.y));
     const float fx = p.x - float(x), fy = p.y - float(y);
     Rgb sum(0);
     for (int dy = 0; dy < 2; ++dy)
-        for (int dx = 0; dx < 2; ++dx) {
-            // Past the square's edge the map goes on mirrored about the edge's middle.
-            int cx = x + dx, cy = y + dy;
-            if (cx < 0 || cx > last) {
-                cx = std::clamp(cx, 0, last);
-                cy = last - std::clamp(cy, 0, last);
-            } else if (cy < 0 || cy > last) {
-                cy = std::clamp(cy, 0, last);
-                cx = last - cx;
-            }
-            sum += (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy) * cells[size_t(cy) * size_t(grid.side) + size_t(cx)];
-        }
+        for (int dx = 0; dx < 2; ++dx)
+            sum += (dx ? fx : 1 - fx) * (dy ? fy : 1 - fy) * cells[size_t(mirroredCell(x + dx, y + dy, grid.side))];
     return sum;
 }
 

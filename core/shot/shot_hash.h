@@ -6,7 +6,8 @@
 namespace relamp {
 
 /// Sixteen hexadecimal digits (FNV-1a, 64 bits) over shot.json, environment.exr, reflectance.ply and, where they
-/// are there, added.ply and albedo.exr: equal shots, equal hash. Throws Error naming a file that cannot be read.
+/// are there, added.ply, the texture and the backgrounds: equal shots, equal hash. Throws Error naming a file that
+/// cannot be read.
 std::string shotHash(const std::filesystem::path& folder);
 
 }  // namespace relamp

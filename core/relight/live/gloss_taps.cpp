@@ -4,6 +4,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "image/mirrored_cell.h"
+
 // Vectors are handed about inside this file alone.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -187,23 +189,13 @@ EnvironmentPyramid::EnvironmentPyramid(const DistantLight& distant) : black_(dis
         suns_.square.push_back(Vec2(0));
     }
     for (;; side /= 2) {
-        const int wide = side + 2, last = side - 1;
+        const int wide = side + 2;
         start_.push_back(cells_.size());
         cells_.resize(cells_.size() + size_t(wide) * size_t(wide));
         for (int y = -1; y <= side; ++y)
-            for (int x = -1; x <= side; ++x) {
-                // Past the square's edge the map goes on mirrored about the edge's middle.
-                int cx = x, cy = y;
-                if (cx < 0 || cx > last) {
-                    cx = std::clamp(cx, 0, last);
-                    cy = last - std::clamp(cy, 0, last);
-                } else if (cy < 0 || cy > last) {
-                    cy = std::clamp(cy, 0, last);
-                    cx = last - cx;
-                }
+            for (int x = -1; x <= side; ++x)
                 cells_[start_.back() + size_t(y + 1) * size_t(wide) + size_t(x + 1)] =
-                    Vec4(cells[size_t(cy) * size_t(side) + size_t(cx)], 0);
-            }
+                    Vec4(cells[size_t(mirroredCell(x, y, side))], 0);
         if (side == 1) break;
         const int half = side / 2;
         std::vector<Rgb> coarse(size_t(half) * size_t(half));
