@@ -28,6 +28,14 @@ bool leftOut(const SolvePlan& plan) {
                        [](const PlannedOmission& o) { return o.what == Omission::texture; });
 }
 
+/// The number that the photographs' lighting states give to an environment of the estimate, which counts from that of
+/// the brightest one (RadianceSamples::environmentOf).
+int photographedAs(const Estimate& estimate, const RadianceSamples& samples, int environment) {
+    for (size_t state = 0; state < estimate.states.size(); ++state)
+        if (estimate.states[state].environment == environment) return samples.environmentOf(uint32_t(state));
+    return environment;
+}
+
 }  // namespace
 
 void planTexture(const Capture& capture, const Scene& scene, const RadianceSamples& samples, std::optional<int> side,
@@ -77,10 +85,12 @@ void addTexture(const Capture& capture, const Scene& scene, std::optional<int> s
 void addBackgrounds(const Capture& capture, const RadianceSamples& samples, Estimate& estimate, Progress& progress) {
     if (progress.outOfTime()) return;
     const DirectionGrid grid{estimate.environmentSide};
-    estimate.background = backgroundPanorama(capture, samples, 0, estimate.environment, grid, progress);
+    estimate.background = backgroundPanorama(capture, samples, photographedAs(estimate, samples, 0),
+                                             estimate.environment, grid, progress);
     for (size_t k = 0; k < estimate.otherEnvironments.size(); ++k) {
         StateLight& other = estimate.otherEnvironments[k];
-        other.background = backgroundPanorama(capture, samples, int(k) + 1, other.environment, grid, progress);
+        const int environment = photographedAs(estimate, samples, int(k) + 1);
+        other.background = backgroundPanorama(capture, samples, environment, other.environment, grid, progress);
     }
 }
 

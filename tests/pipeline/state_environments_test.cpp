@@ -78,6 +78,20 @@ double skyError(const std::vector<Rgb>& cells, int side, Sky sky) {
     return std::sqrt(squares / all);
 }
 
+/// Largest relative error of a background where many pixels of photographs see it. `first`: its state's first cell
+/// among those that were observed.
+float backgroundError(const Panorama& background, const RadianceSamples& samples, size_t first, Sky sky) {
+    const DirectionGrid& grid = samples.backgroundGrid;
+    float worst = -1;
+    for (int c = 0; c < grid.cells(); ++c) {
+        if (samples.backgroundPixels[first + size_t(c)] < 20) continue;
+        const Rgb truth = test::KnownWorld::skyAt(sky, grid.direction(c));
+        const Rgb off = glm::abs(background.radiance(grid.direction(c)) - truth);
+        worst = std::max(worst, maxChannel(off) / maxChannel(truth));
+    }
+    return worst;
+}
+
 TEST(StateEnvironments, AreFoundEachByItselfAndAShotKeepsThem) {
     WholeSolve& s = WholeSolve::get();
     ASSERT_EQ(s.capture.environmentOfState, (std::vector<int>{0, 1, -1}));
@@ -103,6 +117,13 @@ TEST(StateEnvironments, AreFoundEachByItselfAndAShotKeepsThem) {
     EXPECT_LT(skyError(found.environment, found.environmentSide, Sky::evening), 0.08);
     EXPECT_LT(skyError(found.otherEnvironments[0].environment, found.environmentSide, Sky::day), 0.08);
     EXPECT_EQ(found.otherEnvironments[0].sigma.size(), found.environment.size());
+    ASSERT_TRUE(found.background && found.otherEnvironments[0].background);
+    const RadianceSamples& samples = *s.prepared.samples;
+    const float evening = backgroundError(*found.background, samples, cells, Sky::evening),
+                day = backgroundError(*found.otherEnvironments[0].background, samples, 0, Sky::day);
+    EXPECT_GE(evening, 0) << "no photograph sees the sky";
+    EXPECT_LT(evening, 0.05);
+    EXPECT_LT(day, 0.05);
     ASSERT_EQ(found.reproduction.views.size(), 15u);
     for (const ViewReproduction& view : found.reproduction.views) EXPECT_GT(view.psnr, 24) << view.name;
 
@@ -114,6 +135,9 @@ TEST(StateEnvironments, AreFoundEachByItselfAndAShotKeepsThem) {
     EXPECT_EQ(nlohmann::json::parse(std::ifstream(place / "shot.json"))["version"], 3);
     const Shot shot = openShot(place, false, s.progress);
     ASSERT_EQ(shot.estimate.otherEnvironments.size(), 1u);
+    ASSERT_TRUE(shot.estimate.background && shot.estimate.otherEnvironments[0].background);
+    EXPECT_NEAR(backgroundError(*shot.estimate.background, samples, cells, Sky::evening), evening, 0.01);
+    EXPECT_NEAR(backgroundError(*shot.estimate.otherEnvironments[0].background, samples, 0, Sky::day), day, 0.01);
     EXPECT_EQ(shot.estimate.otherEnvironments[0].environment, found.otherEnvironments[0].environment);
     for (size_t state = 0; state < 3; ++state)
         EXPECT_EQ(shot.estimate.states[state].environment, found.states[state].environment);
