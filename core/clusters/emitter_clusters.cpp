@@ -77,39 +77,6 @@ void addProxyEmitters(const Scene& scene, const Capture& capture, const Radiance
     }
 }
 
-/// Whether the part could be what these emitters, of known radiance, light: its median vertex would need an albedo
-/// below 1.5 if nothing stood between. O(64 x their triangles).
-bool litByEmitters(const Scene& scene, const std::vector<VertexRadiance>& seen,
-                   const std::vector<EmitterCluster>& emitters, const EmitterPatch& part) {
-    constexpr size_t mostVertices = 64;
-    std::vector<float> demanded;
-    std::vector<uint32_t> vertices = part.vertices;
-    std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
-    const size_t step = std::max<size_t>(1, vertices.size() / mostVertices);
-    for (size_t i = 0; i < vertices.size(); i += step) {
-        const uint32_t v = vertices[i];
-        Rgb lit(0);
-        for (const EmitterCluster& emitter : emitters) {
-            if (emitter.unobserved) continue;  // its radiance is a guess yet
-            float factor = 0;                  // form factor; whichever way the surfaces face
-            for (const uint32_t t : emitter.triangles) {
-                const Triangle& corners = scene.mesh.triangles[t];
-                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
-                                 scene.mesh.positions[corners[2]]) /
-                                    3.0f -
-                                scene.mesh.positions[v];
-                const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area);
-                factor += area *
-                          std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) /
-                          (pi * squared * squared);
-            }
-            lit += emitter.radiance * std::min(factor, 1.0f);
-        }
-        demanded.push_back(maxChannel(seen[v].radiance) / std::max(maxChannel(lit), 1e-20f));
-    }
-    return lowerMedianOf(demanded) < 1.5f;
-}
-
 /// What a part of uneven radiance sends on the whole: the mean over its surface.
 Rgb meanRadiance(const Scene& scene, const std::vector<VertexRadiance>& seen, const EmitterCluster& cluster) {
     DVec3 sum(0);
@@ -201,6 +168,30 @@ public:
             result.rejected.resize(kept);
             rejectedPatch_.resize(kept);
             result.candidates.push_back(std::move(cluster));
+        }
+    }
+
+    /// What shading fades out from is not even. A small ball's edge is blurred where the mesh lies in the ball.
+    void findEvenEmitters() {
+        constexpr float even = 0.01f;
+        for (size_t r = result.rejected.size(); r-- > 0;) {
+            const EmitterEvidence& e = result.rejected[r].evidence;
+            const EmitterPatch& patch = patches_[rejectedPatch_[r]];
+            const auto taken = [&](uint32_t v) { return taken_[v] != 0; };
+            if (result.rejected[r].reason != fadesOutReason || e.sceneContrast < options_.certainContrast ||
+                e.uniformity >= even || e.viewSpread >= even || e.clippedFraction > 0 ||
+                tooFewPixels(scene_, capture_, samples_, patch) ||
+                std::any_of(patch.vertices.begin(), patch.vertices.end(), taken))
+                continue;
+            EmitterCluster cluster = clusterOf(patch);
+            complete(scene_, seen_, taken_, cluster);
+            measure(scene_, cluster);
+            if (cluster.triangles.empty()) continue;
+            for (const uint32_t v : patch.vertices) accepted_[v] = 1;
+            for (const uint32_t v : cluster.vertices) taken_[v] = 1;
+            result.candidates.push_back(std::move(cluster));
+            result.rejected.erase(result.rejected.begin() + ptrdiff_t(r));
+            rejectedPatch_.erase(rejectedPatch_.begin() + ptrdiff_t(r));
         }
     }
 
@@ -362,16 +353,21 @@ private:
         return "";
     }
 
-    void takePatch(size_t i) {
-        EmitterPatch& patch = patches_[i];
-        const EmitterEvidence& e = patch.evidence;
-        patch.reject = reasonAgainst(patch);
+    static EmitterCluster clusterOf(const EmitterPatch& patch) {
         EmitterCluster cluster;
         cluster.vertices = patch.vertices;
         cluster.radiance = patch.radiance;
         cluster.radianceSigma =
-            std::max(0.002f, e.uniformity / std::sqrt(float(std::max<size_t>(1, patch.vertices.size()))));
-        cluster.evidence = e;
+            std::max(0.002f, patch.evidence.uniformity / std::sqrt(float(std::max<size_t>(1, patch.vertices.size()))));
+        cluster.evidence = patch.evidence;
+        return cluster;
+    }
+
+    void takePatch(size_t i) {
+        EmitterPatch& patch = patches_[i];
+        const EmitterEvidence& e = patch.evidence;
+        patch.reject = reasonAgainst(patch);
+        EmitterCluster cluster = clusterOf(patch);
         if (patch.reject.empty()) {
             complete(scene_, seen_, taken_, cluster);
             for (uint32_t v : cluster.vertices) taken_[v] = 1;
@@ -467,6 +463,7 @@ EmitterClusters clusterEmitters(const Scene& scene, const Capture& capture, cons
     progress.advance();
     search.judgePatches();
     search.findUnevenEmitters();
+    search.findEvenEmitters();
     search.findThinEmitters();
     search.dropFalseEmitters();
     search.growEmitters();

@@ -176,4 +176,35 @@ float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>
     return demanded.empty() ? 1e30f : medianOf(std::move(demanded));
 }
 
+bool litByEmitters(const Scene& scene, const std::vector<VertexRadiance>& seen,
+                   const std::vector<EmitterCluster>& emitters, const EmitterPatch& part) {
+    constexpr size_t mostVertices = 64;
+    std::vector<float> demanded;
+    std::vector<uint32_t> vertices = part.vertices;
+    std::sort(vertices.begin(), vertices.end(), [&](uint32_t a, uint32_t b) { return scene.rank[a] < scene.rank[b]; });
+    const size_t step = std::max<size_t>(1, vertices.size() / mostVertices);
+    for (size_t i = 0; i < vertices.size(); i += step) {
+        const uint32_t v = vertices[i];
+        Rgb lit(0);
+        for (const EmitterCluster& emitter : emitters) {
+            if (emitter.unobserved) continue;  // its radiance is a guess yet
+            float factor = 0;                  // form factor; whichever way the surfaces face
+            for (const uint32_t t : emitter.triangles) {
+                const Triangle& corners = scene.mesh.triangles[t];
+                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
+                                 scene.mesh.positions[corners[2]]) /
+                                    3.0f -
+                                scene.mesh.positions[v];
+                const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area);
+                factor += area *
+                          std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) /
+                          (pi * squared * squared);
+            }
+            lit += emitter.radiance * std::min(factor, 1.0f);
+        }
+        demanded.push_back(maxChannel(seen[v].radiance) / std::max(maxChannel(lit), 1e-20f));
+    }
+    return lowerMedianOf(demanded) < 1.5f;
+}
+
 }  // namespace relamp

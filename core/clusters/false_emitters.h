@@ -3,6 +3,7 @@
 #pragma once
 #include "capture/capture.h"
 #include "clusters/emitter_clusters.h"
+#include "clusters/patches.h"
 #include "radiance/samples.h"
 #include "scene/scene.h"
 
@@ -27,5 +28,10 @@ bool showsEmitterPastEdge(const Scene& scene, const Capture& capture, const Radi
 /// shadows. Median over the patch's vertices, largest of the channels. O(64 x their triangles).
 float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>& emitters,
                            const EmitterCluster& patch);
+
+/// Whether the part could be what these emitters, of known radiance, light: its median vertex would need an albedo
+/// below 1.5 if nothing stood between. O(64 x their triangles).
+bool litByEmitters(const Scene& scene, const std::vector<VertexRadiance>& seen,
+                   const std::vector<EmitterCluster>& emitters, const EmitterPatch& part);
 
 }  // namespace relamp

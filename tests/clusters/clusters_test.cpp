@@ -175,6 +175,29 @@ TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {
     EXPECT_EQ(found.candidates.size(), 0u);
 }
 
+TEST(Clusters, KeepAnEvenDiscWithABlurredEdgeForTheLightFit) {
+    const Scene scene = test::sceneOf(test::sheet({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, 120, 120));
+    // As a small ball looks that is larger than the mesh has it: what lies beside it shows its edge, and then its glow.
+    const auto disc = [&](float unevenness) {
+        const EmitterClusters found =
+            clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
+                         const Vec3 p = scene.mesh.positions[v];
+                         const float r = glm::length(p), bright = r < 0.27f   ? 1.0f
+                                                                  : r < 0.36f ? 0.84f
+                                                                              : 0.7f * std::exp((0.36f - r) / 0.1f);
+                         return Rgb(60, 50, 40) * bright * (1 + unevenness * std::sin(25 * p.x)) +
+                                (r < 0.36f ? Rgb(0) : shaded(scene, v, i));
+                     }));
+        EXPECT_EQ(found.emitters.size(), 0u);
+        return std::count_if(found.candidates.begin(), found.candidates.end(), [](const EmitterCluster& c) {
+            return c.evidence.edgeDrop > 0.8f && std::abs(c.radiance.x - 60) < 3;
+        });
+    };
+    EXPECT_EQ(disc(0), 1);
+    // Shading is not even.
+    EXPECT_EQ(disc(0.05f), 0);
+}
+
 TEST(Clusters, TakeAPartOfUnevenRadianceForOneEmitterOfItsMean) {
     Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 40, 40);
     // What an emitter beside it lights looks the same and is none; it hangs above a second square.
