@@ -171,7 +171,8 @@ public:
         }
     }
 
-    /// What shading fades out from is not even. A small ball's edge is blurred where the mesh lies in the ball.
+    /// Patches that were refused as a glow become candidates where they are bright and even, as what shading fades out
+    /// from is not: a small ball whose mesh lies within it shows its rim beside its vertices.
     void findEvenEmitters() {
         constexpr float even = 0.01f;
         for (size_t r = result.rejected.size(); r-- > 0;) {
