@@ -9,6 +9,13 @@
 namespace relamp {
 namespace {
 
+/// Metres, from a vertex to the middle of a triangle.
+Vec3 toMiddle(const Scene& scene, uint32_t vertex, uint32_t triangle) {
+    const std::vector<Vec3>& p = scene.mesh.positions;
+    const Triangle& corners = scene.mesh.triangles[triangle];
+    return (p[corners[0]] + p[corners[1]] + p[corners[2]]) / 3.0f - p[vertex];
+}
+
 constexpr float sameRadiance = 0.03f, hair = 0.006f;
 
 bool alike(const Rgb& a, const Rgb& b) {
@@ -153,11 +160,7 @@ float albedoBesideEmitters(const Scene& scene, const std::vector<EmitterCluster>
             float factor = 0;
             const float slack = emitter.fitted ? noNormals : usualSlack;
             for (const uint32_t t : emitter.triangles) {
-                const Triangle& corners = scene.mesh.triangles[t];
-                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
-                                 scene.mesh.positions[corners[2]]) /
-                                    3.0f -
-                                scene.mesh.positions[v];
+                const Vec3 to = toMiddle(scene, v, t);
                 const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area),
                             distance = std::sqrt(squared);
                 const float at = std::min(1.0f, glm::dot(to, scene.mesh.normals[v]) / distance + slack),
@@ -190,11 +193,7 @@ bool litByEmitters(const Scene& scene, const std::vector<VertexRadiance>& seen,
             if (emitter.unobserved) continue;  // its radiance is a guess yet
             float factor = 0;                  // form factor; whichever way the surfaces face
             for (const uint32_t t : emitter.triangles) {
-                const Triangle& corners = scene.mesh.triangles[t];
-                const Vec3 to = (scene.mesh.positions[corners[0]] + scene.mesh.positions[corners[1]] +
-                                 scene.mesh.positions[corners[2]]) /
-                                    3.0f -
-                                scene.mesh.positions[v];
+                const Vec3 to = toMiddle(scene, v, t);
                 const float area = scene.mesh.triangleArea(t), squared = std::max(glm::dot(to, to), area);
                 factor += area *
                           std::abs(glm::dot(to, scene.mesh.normals[v]) * glm::dot(to, scene.mesh.faceNormal(t))) /
