@@ -9,14 +9,14 @@
 namespace relamp {
 namespace {
 
+constexpr float sameRadiance = 0.03f, hair = 0.006f;
+
 /// Metres, from a vertex to the middle of a triangle.
 Vec3 toMiddle(const Scene& scene, uint32_t vertex, uint32_t triangle) {
     const std::vector<Vec3>& p = scene.mesh.positions;
     const Triangle& corners = scene.mesh.triangles[triangle];
     return (p[corners[0]] + p[corners[1]] + p[corners[2]]) / 3.0f - p[vertex];
 }
-
-constexpr float sameRadiance = 0.03f, hair = 0.006f;
 
 bool alike(const Rgb& a, const Rgb& b) {
     return maxChannel(glm::abs(a - b)) <= sameRadiance * std::max(maxChannel(a), maxChannel(b));
