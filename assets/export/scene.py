@@ -301,14 +301,26 @@ def add_surface(gltf, buffer, node):
     mesh.materials.append(made)
 
 
-def add_environment():
+def panorama_of(nodes, name):
+    picture = nodes.new("ShaderNodeTexEnvironment")
+    picture.image = bpy.data.images.load(os.path.join(FOLDER, name))
+    picture.image.colorspace_settings.is_data = True
+    return picture.outputs["Color"]
+
+
+def add_environment(environment):
+    """What lights the scene is environment.exr; what cameras see of it may be a finer panorama."""
     world = bpy.data.worlds.new("relamp environment")
     world.use_nodes = True
     nodes, links = world.node_tree.nodes, world.node_tree.links
-    picture = nodes.new("ShaderNodeTexEnvironment")
-    picture.image = bpy.data.images.load(os.path.join(FOLDER, "environment.exr"))
-    picture.image.colorspace_settings.is_data = True
-    links.new(picture.outputs["Color"], nodes["Background"].inputs["Color"])
+    colour = panorama_of(nodes, environment["file"])
+    if "background" in environment:
+        seen, ray = nodes.new("ShaderNodeMixRGB"), nodes.new("ShaderNodeLightPath")
+        links.new(ray.outputs["Is Camera Ray"], seen.inputs["Fac"])
+        links.new(colour, seen.inputs["Color1"])
+        links.new(panorama_of(nodes, environment["background"]), seen.inputs["Color2"])
+        colour = seen.outputs["Color"]
+    links.new(colour, nodes["Background"].inputs["Color"])
     world.cycles.sampling_method = "MANUAL"
     world.cycles.sample_map_resolution = 1024
     bpy.context.scene.world = world
@@ -384,7 +396,7 @@ def build(samples=256):
             add_surface(gltf, buffer, node)
     for light in lights["lights"]:
         add_light(light, base)
-    add_environment()
+    add_environment(lights["environment"])
     views = [add_camera(frame, base) for frame in cameras["frames"]]
     if views:
         use(views[0])

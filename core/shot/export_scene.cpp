@@ -11,6 +11,7 @@
 #include "capture/transforms_json.h"
 #include "image/environment_map.h"
 #include "image/image_io.h"
+#include "relight/backdrop.h"
 #include "scene/mesh_io.h"
 #include "scene/texcoords.h"
 #include "shot/shot_texture.h"
@@ -24,6 +25,8 @@ Json listOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 /// More kinds of surface than this are exported as one, matte.
 constexpr size_t mostMaterials = 64;
+
+constexpr const char* backgroundFile = "environment_background.exr";
 
 /// The kinds of surface by the lobes beside the matte part, which are kept per connected component.
 struct Materials {
@@ -160,7 +163,7 @@ void nameUnlit(const ExportedScene& scene, const ExportedComponent& light, Json&
     for (const uint32_t surface : light.unlit) out["not_on"].push_back(scene.components[surface].name);
 }
 
-Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflection) {
+Json lightsJson(const Shot& shot, const RelitScene& relit, const ExportedScene& scene) {
     Json lights = Json::array();
     for (const ExportedComponent& p : scene.components) {
         if (!p.emits) continue;
@@ -202,6 +205,12 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflecti
         }
     }
     const GaugeReport& gauge = shot.estimate.gauge;
+    Json environment = {{"file", "environment.exr"},
+                        {"projection", "latitude-longitude"},
+                        {"centre", "+X"},
+                        {"right_of_centre", "-Y"},
+                        {"top", "+Z"}};
+    if (relit.distant->backdrop()) environment["background"] = backgroundFile;
     return {{"version", 1},
             {"units",
              {{"length", "metre"},
@@ -210,13 +219,8 @@ Json lightsJson(const Shot& shot, const ExportedScene& scene, bool interreflecti
               {"flux", "pi x radiance x area"}}},
             {"gauge", {{"kind", gauge.kind}, {"evidence", gauge.evidence}}},
             {"origin", listOf(scene.origin)},
-            {"interreflection", interreflection},
-            {"environment",
-             {{"file", "environment.exr"},
-              {"projection", "latitude-longitude"},
-              {"centre", "+X"},
-              {"right_of_centre", "-Y"},
-              {"top", "+Z"}}},
+            {"interreflection", !relit.bounced.world.empty()},
+            {"environment", environment},
             {"lights", lights}};
 }
 
@@ -229,6 +233,25 @@ void writeEnvironment(const fs::path& file, const DistantLight& light) {
         channels.push_back(std::move(channel));
     }
     writeChannels(file, map.width, map.height, channels);
+}
+
+/// What is seen of the environment, half floats: nothing is lit by it.
+void writeBackdrop(const fs::path& file, const Backdrop& backdrop) {
+    constexpr float mostHalf = 65504;
+    int width = 0;
+    for (const Backdrop::Layer& layer : backdrop.layers) width = std::max(width, layer.panorama->width());
+    const int height = width / 2;
+    writeChannelRows(
+        file, width, height, 64, {{"", {{"R", true}, {"G", true}, {"B", true}}}},
+        [&](int first, int count, const std::vector<float*>& out) {
+            for (int y = 0; y < count; ++y)
+                for (int x = 0; x < width; ++x) {
+                    const Vec2 place((float(x) + 0.5f) / float(width), (float(first + y) + 0.5f) / float(height));
+                    const Rgb texel = backdrop.radiance(directionFromLatLong(place));
+                    for (int c = 0; c < 3; ++c)
+                        out[size_t(c)][size_t(y) * size_t(width) + size_t(x)] = std::min(texel[c], mostHalf);
+                }
+        });
 }
 
 void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& origin) {
@@ -363,15 +386,17 @@ std::vector<std::string> exportScene(const Shot& shot, const RelitScene& relit, 
     if (fs::exists(folder, failed) &&
         (!fs::is_directory(folder, failed) || (!overwrite && !fs::is_empty(folder, failed))))
         throw Error("{}: exists already, add --overwrite to write into it", folder.string());
-    for (const char* name : {"environment.exr", "materials.ply", "transforms.json", "lights.usda", "lights.bin",
-                             "lights.gltf", "lights.json", "surfaces.obj", "surfaces.mtl", "albedo.exr", "albedo.png",
-                             "materials.mtlx", "scene.py", "relight.nk"})
+    for (const char* name : {"environment.exr", backgroundFile, "materials.ply", "transforms.json", "lights.usda",
+                             "lights.bin", "lights.gltf", "lights.json", "surfaces.obj", "surfaces.mtl", "albedo.exr",
+                             "albedo.png", "materials.mtlx", "scene.py", "relight.nk"})
         inputs.refuse(folder / name);
     fs::create_directories(folder, failed);
     if (failed) throw Error("{}: cannot be made ({})", folder.string(), failed.message());
     ExportedScene scene = exportedScene(relit, shot.capture);
     copyShapingFiles(scene, folder, inputs);
     writeEnvironment(folder / "environment.exr", *relit.distant);
+    const std::shared_ptr<const Backdrop>& backdrop = relit.distant->backdrop();
+    if (backdrop) writeBackdrop(folder / backgroundFile, *backdrop);
     writeMaterials(folder / "materials.ply", relit, shot.capture.origin);
     writeBytesAtomically(folder / "transforms.json", transformsOf(shot.capture, folder, "materials.ply"));
     writeBytesAtomically(folder / "lights.usda", usdaOf(scene, "environment.exr"));
@@ -396,8 +421,7 @@ std::vector<std::string> exportScene(const Shot& shot, const RelitScene& relit, 
         shown.pixels = relit.texture->texels;
         writeImage(folder / "albedo.png", shown);
     }
-    writeBytesAtomically(folder / "lights.json",
-                         dumpJson(lightsJson(shot, scene, !relit.bounced.world.empty()), 1) + "\n");
+    writeBytesAtomically(folder / "lights.json", dumpJson(lightsJson(shot, relit, scene), 1) + "\n");
     return leftOut(scene);
 }
 

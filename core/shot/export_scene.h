@@ -104,10 +104,11 @@ std::string transformsOf(const Capture& capture, const std::filesystem::path& fo
 
 /// Writes lights.json, lights.usda, lights.gltf with lights.bin, surfaces.obj with surfaces.mtl, materials.mtlx,
 /// scene.py for Blender, relight.nk for Nuke, environment.exr (float, 1024 x 512), materials.ply (all vertices: albedo,
-/// weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all. Where there is a
-/// texture also albedo.exr (linear) and albedo.png (sRGB, 8 bits); for each light that shines unevenly emission-N.png;
-/// copies of photometric files and images of lights. What formats cannot hold of a light's shape is returned in words.
-/// Throws Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
+/// weights of every lobe, emitter) and transforms.json into `folder`, each whole or not at all. Where the look has a
+/// backdrop also environment_background.exr (half float, as wide as its widest layer). Where there is a texture also
+/// albedo.exr (linear) and albedo.png (sRGB, 8 bits); for each light that shines unevenly emission-N.png; copies of
+/// photometric files and images of lights. What formats cannot hold of a light's shape is returned in words. Throws
+/// Error when the folder holds something already and `overwrite` is false; OutOfResources when the disk is full.
 std::vector<std::string> exportScene(const Shot& shot, const RelitScene& relit, const std::filesystem::path& folder,
                                      bool overwrite, const InputFiles& inputs = {});
 

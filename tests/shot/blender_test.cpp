@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "relight/backdrop.h"
 #include "shot/export_frame.h"
 #include "shot/export_scene.h"
 #include "support/estimates.h"
@@ -46,6 +47,15 @@ protected:
     RelitScene relit;
 };
 
+/// Brightest in its middle, redder to the top.
+Image rampPanorama() {
+    Image image(256, 128);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            image.at(x, y) = Rgb(3 - float(y) / 64, 1, 0.5f) * (0.5f + float(std::min(x, 256 - x)) / 64);
+    return image;
+}
+
 TEST_F(Blender, FindsTheEmitterWhereItStoodWithItsRadiance) {
     exportScene(shot, relit, folder / "out", false);
     const nlohmann::json emitter = opened(folder / "out/lights.gltf").at("lamp");
@@ -67,6 +77,12 @@ TEST_F(Blender, RendersTheRebuiltSceneAsRelampDoes) {
     const std::vector<Vec3> ends{{0, 0.375f, 1}, {0, 0.625f, 1}, {0.5f, 0.375f, 1}, {0.5f, 0.625f, 1}};
     relit.emitters[0].emission.shaped = std::make_shared<const ShapedEmission>(
         std::make_shared<const EmissionPattern>(ends, std::vector<float>{1.33f, 1.33f, 0.67f, 0.67f}), Mat4(1));
+    // What is seen behind the scene, turned, is not what lights it.
+    Backdrop backdrop;
+    backdrop.layers.push_back({std::make_shared<const Panorama>(rampPanorama()), 1});
+    backdrop.yawDegrees = 40;
+    relit.distant = std::make_shared<const DistantLight>(relit.distant->grid(), relit.distant->cells(),
+                                                         std::make_shared<const Backdrop>(backdrop));
     exportScene(shot, relit, folder / "out", false);
     const auto rendered = folder / "cycles.exr";
     const test::ProgramResult r =
@@ -97,7 +113,12 @@ TEST_F(Blender, RendersTheRebuiltSceneAsRelampDoes) {
         }
     EXPECT_GT(floor, 60u);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(theirs[c] / ours[c], 1, 0.01) << c;
-    EXPECT_NEAR(cycles.pixels[0].x, frame.beauty[0].x, 1e-3) << "the environment";
+    for (const int x : {0, cycles.width - 1})
+        for (int c = 0; c < 3; ++c) {
+            const Rgb behind = frame.beauty[size_t(x)];
+            EXPECT_NEAR(cycles.pixels[size_t(x)][c] / behind[c], 1, 0.01) << "the backdrop at pixel " << x;
+        }
+    EXPECT_GT(std::abs(frame.beauty[0].x / frame.beauty[size_t(cycles.width - 1)].x - 1), 0.1) << "its ends differ";
 }
 
 TEST_F(Blender, OpensEveryLayerOfAFrame) {
