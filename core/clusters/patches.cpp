@@ -12,8 +12,12 @@ bool alike(const Rgb& a, const Rgb& b, float tolerance) {
     return glm::length(a - b) <= tolerance * std::max(glm::length(a), glm::length(b));
 }
 
-/// Takes apart how a patch differs between views: as a whole, and vertex by vertex.
-void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadiance>& seen, EmitterPatch& patch) {
+/// Takes apart how a patch differs between views: as a whole, and vertex by vertex. True where something stands before
+/// it in some views that the mesh lacks: it is dark there as a whole, and alike in all others, thrice as many at least.
+/// Those views are left out then. A reflection is not alike in so many.
+bool splitSpread(const RadianceSamples& samples, const std::vector<VertexRadiance>& seen, EmitterPatch& patch) {
+    constexpr float hiddenBelow = 0.25f, alikeWithin = 0.06f;
+    constexpr size_t shownForHidden = 3;
     const auto ratios = [&](uint32_t v, const auto& each) {
         const float own = maxChannel(seen[v].radiance);
         for (uint32_t s = samples.start[v]; own > 0 && s < samples.start[v + 1]; ++s)
@@ -28,25 +32,37 @@ void splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
             ofView[view].push_back(ratio);
         });
     std::vector<float> common(ofView.size(), 0);
-    float low = 1e30f, high = 0;
-    for (size_t view = 0; view < ofView.size(); ++view) {
-        if (ofView[view].size() < smallestPatch) continue;
-        common[view] = lowerMedianOf(ofView[view]);
-        low = std::min(low, common[view]);
-        high = std::max(high, common[view]);
-    }
-    patch.commonSpread = high > 0 ? (high - low) / high : 0;
-    std::vector<float> own;
-    for (const uint32_t v : patch.vertices) {
-        float least = 1e30f, most = 0;
-        ratios(v, [&](uint32_t view, float ratio) {
-            if (!(common[view] > 0)) return;
-            least = std::min(least, ratio / common[view]);
-            most = std::max(most, ratio / common[view]);
-        });
-        if (most > least) own.push_back((most - least) / most);
-    }
-    patch.ownSpread = lowerMedianOf(own);
+    for (size_t view = 0; view < ofView.size(); ++view)
+        if (ofView[view].size() >= smallestPatch) common[view] = lowerMedianOf(ofView[view]);
+    const auto split = [&] {
+        float low = 1e30f, high = 0;
+        for (const float ratio : common)
+            if (ratio > 0) low = std::min(low, ratio), high = std::max(high, ratio);
+        patch.commonSpread = high > 0 ? (high - low) / high : 0;
+        std::vector<float> own;
+        for (const uint32_t v : patch.vertices) {
+            float least = 1e30f, most = 0;
+            ratios(v, [&](uint32_t view, float ratio) {
+                if (!(common[view] > 0)) return;
+                least = std::min(least, ratio / common[view]);
+                most = std::max(most, ratio / common[view]);
+            });
+            if (most > least) own.push_back((most - least) / most);
+        }
+        patch.ownSpread = lowerMedianOf(own);
+    };
+    split();
+    const auto countIf = [&](const auto& which) { return size_t(std::count_if(common.begin(), common.end(), which)); };
+    const size_t hidden = countIf([&](float ratio) { return ratio > 0 && ratio < hiddenBelow; }),
+                 shown = countIf([&](float ratio) { return ratio >= hiddenBelow; });
+    if (hidden == 0 || shown < shownForHidden * hidden) return false;
+    const float wholeCommon = patch.commonSpread, wholeOwn = patch.ownSpread;
+    for (float& ratio : common) ratio = ratio < hiddenBelow ? 0 : ratio;
+    split();
+    if (patch.commonSpread < alikeWithin && patch.ownSpread < alikeWithin) return true;
+    patch.commonSpread = wholeCommon;
+    patch.ownSpread = wholeOwn;
+    return false;
 }
 
 }  // namespace
@@ -232,7 +248,7 @@ void judgePatch(const Scene& scene, const RadianceSamples& samples, const std::v
         radius = std::max(radius, glm::length(scene.mesh.positions[v] - centre));
     }
     e.uniformity = 1.4826f * lowerMedianOf(off);
-    splitSpread(samples, seen, patch);
+    if (splitSpread(samples, seen, patch)) e.viewSpread = std::max(patch.commonSpread, patch.ownSpread);
     e.sceneContrast = maxChannel(patch.radiance) / std::max(reference, 1e-20f);
     // The edge on the mesh, and the surfaces around in space.
     std::vector<float> drop, around;

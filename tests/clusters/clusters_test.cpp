@@ -165,6 +165,24 @@ TEST(Clusters, KeepAnEmitterThatSomePhotographsShowBrighterForTheLightFit) {
     EXPECT_EQ(mirrored.emitters.size() + mirrored.candidates.size(), 0u);
 }
 
+TEST(Clusters, KeepAnEmitterThatSomethingHidesFromOneViewThoughTheMeshLacksIt) {
+    const Scene scene = floorScene();
+    const auto found = [&](uint32_t hidden, float change) {
+        return clusters(scene, looks(scene, 5, [&](uint32_t v, uint32_t i) {
+                            return inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f) && i >= hidden
+                                       ? Rgb(60, 50, 40) * (1 + change * float(i))
+                                       : shaded(scene, v, i);
+                        }));
+    };
+    const EmitterClusters one = found(1, 0);
+    ASSERT_EQ(one.emitters.size(), 1u);
+    EXPECT_LT(one.emitters[0].evidence.viewSpread, 0.01f);
+    EXPECT_NEAR(one.emitters[0].radiance.x, 60, 1e-3);
+    // A reflection is alike in few views.
+    EXPECT_EQ(found(2, 0).emitters.size() + found(2, 0).candidates.size(), 0u);
+    EXPECT_EQ(found(1, 0.1f).emitters.size() + found(1, 0.1f).candidates.size(), 0u);
+}
+
 TEST(Clusters, RejectAGlowThatFadesOutWithoutAnEdge) {
     const Scene scene = floorScene();
     const EmitterClusters found = clusters(scene, looks(scene, 3, [&](uint32_t v, uint32_t i) {
