@@ -7,6 +7,7 @@
 
 #include "base/statistics.h"
 #include "clusters/patches.h"
+#include "scene/flat_surface.h"
 #include "scene/vertex_rings.h"
 
 namespace relamp {
@@ -17,7 +18,10 @@ constexpr int ridgeRingsFrom = 5, ridgeRingsTo = 9;  ///< of neighbours that tel
 constexpr int ridgeFoot = 3;                         ///< rings that a ridge's rounded foot has
 constexpr float alongRidge = 0.8f;                   ///< cosine of that surface's normals with their mean
 constexpr double scrapReach = 2;        ///< of a body's half length: so far away a bag goes that hangs on it
+constexpr ptrdiff_t leastOnCut = 4;     ///< vertices that a piece shares with what goes
 constexpr float islandPart = 0.25f;     ///< of the scraps' area: an island of theirs is no larger
+constexpr float doubtfulIsland = 2;     ///< the same of doubtful ones
+constexpr int rimPixels = 3;            ///< about a light, in which a photograph mixes it with what lies beside it
 constexpr float radianceBehind = 0.2f;  ///< relative: a pixel shows what lies behind
 constexpr float floorBehind = 4;        ///< noise floors besides
 constexpr float mostlyRidge = 0.8f;     ///< of the area, and of the vertices about it
@@ -101,13 +105,27 @@ std::optional<Rgb> shownThere(const Scene& scene, const RadianceSamples& samples
     return sum / weight;
 }
 
+/// Per pixel of an outline's view 1 where it shows the light or lies within `reach` pixels of one that does.
+std::vector<uint8_t> withinReach(const EmitterOutline& outline, const Camera& camera, int reach) {
+    std::vector<uint8_t> near = outline.shows;
+    const int w = camera.width, h = camera.height;
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+            if (!outline.shows[size_t(y) * size_t(w) + size_t(x)]) continue;
+            for (int v = std::max(0, y - reach); v <= std::min(h - 1, y + reach); ++v)
+                for (int u = std::max(0, x - reach); u <= std::min(w - 1, x + reach); ++u)
+                    near[size_t(v) * size_t(w) + size_t(u)] = 1;
+        }
+    return near;
+}
+
 /// Of the triangles `about`, 1 for those that no pixel hits or at most one view sees, from which nothing is
 /// reconstructed, and for those through which most pixels on and around them show what lies behind; pixels of
-/// `outlines` are not asked.
+/// `outlines` and within `rim` pixels of them are not asked.
 std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                              const std::vector<uint8_t>& about, const std::vector<EmitterOutline>& outlines) {
-    std::vector<const EmitterOutline*> outlineOf(samples.geometry.size(), nullptr);
-    for (const EmitterOutline& o : outlines) outlineOf[o.view] = &o;
+                              const std::vector<uint8_t>& about, const std::vector<EmitterOutline>& outlines, int rim) {
+    std::vector<std::vector<uint8_t>> unasked(samples.geometry.size());
+    for (const EmitterOutline& o : outlines) unasked[o.view] = withinReach(o, capture.views[o.view].camera, rim);
     const std::vector<VertexRadiance> seen = vertexRadiance(scene, samples);
     std::vector<uint32_t> through(scene.mesh.vertexCount(), 0), against = through;
     std::vector<uint8_t> hits(about.size(), 0);
@@ -115,7 +133,7 @@ std::vector<uint8_t> notThere(const Scene& scene, const Capture& capture, const 
         const ViewGeometry& g = samples.geometry[i];
         for (size_t p = 0; p < g.triangle.size(); ++p) {
             const uint32_t t = g.triangle[p];
-            if (t == Hit::none || (outlineOf[i] && outlineOf[i]->shows[p])) continue;
+            if (t == Hit::none || (!unasked[i].empty() && unasked[i][p])) continue;
             hits[t] = 1;
             if (!about[t] || i >= capture.views.size()) continue;
             const View& view = capture.views[i];
@@ -157,9 +175,10 @@ float areaOf(const Scene& scene, const std::vector<uint32_t>& triangles) {
     return area;
 }
 
-/// Pieces that are left of a bag once its `scraps` are gone: small ones that hang on nothing else.
+/// Pieces that are left of a bag once its `scraps` are gone: those that hang on nothing else, of up to `part` of the
+/// scraps' area.
 std::vector<uint32_t> islandsAmong(const Scene& scene, const std::vector<uint8_t>& about,
-                                   const std::set<uint32_t>& removed, const std::vector<uint32_t>& scraps) {
+                                   const std::set<uint32_t>& removed, const std::vector<uint32_t>& scraps, float part) {
     std::vector<uint8_t> gone(about.size(), 0);
     for (const uint32_t t : removed) gone[t] = 1;
     for (const uint32_t t : scraps) gone[t] = 1;
@@ -167,7 +186,7 @@ std::vector<uint32_t> islandsAmong(const Scene& scene, const std::vector<uint8_t
     for (uint32_t t = 0; t < about.size(); ++t)
         if (!gone[t])
             for (const uint32_t v : scene.mesh.triangles[t]) at[v].push_back(t);
-    const float most = islandPart * areaOf(scene, scraps);
+    const float most = part * areaOf(scene, scraps);
     std::vector<uint32_t> found;
     for (const uint32_t scrap : scraps)
         for (const uint32_t start : scene.mesh.triangles[scrap]) {
@@ -220,7 +239,7 @@ void collectObstacles(const Scene& scene, const Capture& capture, const Radiance
     votes.collect(emitterOfTriangle, removed, through);
     for (const uint32_t t : removed) through[t] = 0;
     // What stands a little into its outline, as rounded as a reconstruction is, and is a surface elsewhere, stays.
-    if (body.straight()) through = notThere(scene, capture, samples, through, outlines);
+    if (body.straight()) through = notThere(scene, capture, samples, through, outlines, 0);
     for (uint32_t t = 0; t < through.size(); ++t)
         if (through[t]) removed.insert(t);
 }
@@ -261,19 +280,26 @@ std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const Emitte
     return moved;
 }
 
-std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                   const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
-                                   const std::set<uint32_t>& removed) {
+Scraps scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                    const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
+                    const std::set<uint32_t>& removed) {
     const size_t count = scene.mesh.triangles.size();
     const double reach = scrapReach * std::max({body.half.x, body.half.y, body.half.z});
-    std::vector<uint8_t> about(count, 0);
+    std::vector<uint8_t> about(count, 0), gone(scene.mesh.vertexCount(), 0);
+    for (const uint32_t t : removed)
+        for (const uint32_t v : scene.mesh.triangles[t]) gone[v] = 1;
+    // A floor or wall goes on where nobody sees it behind the body.
+    for (uint32_t v = 0; v < gone.size(); ++v) gone[v] |= samples.countOf(v) < 2;
+    const std::vector<FlatSurface> flat = flatSurfaces(scene, gone);
     for (uint32_t t = 0; t < count; ++t) {
         const Triangle& c = scene.mesh.triangles[t];
         about[t] = !removed.count(t) && std::all_of(c.begin(), c.end(), [&](uint32_t v) {
             return body.distance(DVec3(scene.mesh.positions[v])) < reach;
+        }) && std::none_of(flat.begin(), flat.end(), [&](const FlatSurface& surface) {
+            return std::all_of(c.begin(), c.end(), [&](uint32_t v) { return liesOn(scene, surface, v); });
         });
     }
-    const std::vector<uint8_t> free = notThere(scene, capture, samples, about, outlines);
+    const std::vector<uint8_t> free = notThere(scene, capture, samples, about, outlines, rimPixels);
     std::vector<std::vector<uint32_t>> at(scene.mesh.vertexCount());
     std::vector<uint8_t> cut(scene.mesh.vertexCount(), 0), kept = cut, left = free;
     for (uint32_t t = 0; t < count; ++t)
@@ -281,7 +307,7 @@ std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, c
             if (free[t]) at[v].push_back(t);
             else (removed.count(t) ? cut[v] : kept[v]) = 1;
     // Connected pieces. One that borders what goes more than what stays hangs on it; others are ground.
-    std::vector<uint32_t> found;
+    Scraps found;
     for (const uint32_t first : removed)
         for (const uint32_t start : scene.mesh.triangles[first]) {
             std::vector<uint32_t> piece, front{start};
@@ -299,11 +325,18 @@ std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, c
             }
             const auto onCut = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return cut[v] != 0; }),
                        onKept = std::count_if(corners.begin(), corners.end(), [&](uint32_t v) { return kept[v] != 0; });
-            if (onCut > onKept) found.insert(found.end(), piece.begin(), piece.end());
+            if (onCut > onKept) found.sure.insert(found.sure.end(), piece.begin(), piece.end());
+            else if (onCut >= leastOnCut) found.doubtful.insert(found.doubtful.end(), piece.begin(), piece.end());
         }
-    const std::vector<uint32_t> islands = islandsAmong(scene, about, removed, found);
-    found.insert(found.end(), islands.begin(), islands.end());
-    std::sort(found.begin(), found.end());
+    std::set<uint32_t> going = removed;
+    const auto withIslands = [&](std::vector<uint32_t>& scraps, float part) {
+        const std::vector<uint32_t> islands = islandsAmong(scene, about, going, scraps, part);
+        scraps.insert(scraps.end(), islands.begin(), islands.end());
+        going.insert(scraps.begin(), scraps.end());
+    };
+    withIslands(found.sure, islandPart);
+    withIslands(found.doubtful, doubtfulIsland);
+    for (std::vector<uint32_t>* scraps : {&found.sure, &found.doubtful}) std::sort(scraps->begin(), scraps->end());
     return found;
 }
 

@@ -39,12 +39,19 @@ void collectObstacles(const Scene& scene, const Capture& capture, const Radiance
 /// vertices on that surface, behind the light. Empty where it is a finger or a bag. O(vertices about it).
 std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const EmitterCluster& emitter);
 
-/// Triangles of the scene about the body that hang together with the others by `removed` ones most of all, and that no
-/// photograph shows or through which photographs show what lies behind: the bag that a reconstruction closes below a
-/// panel. Ascending. O(pixels + triangles).
-std::vector<uint32_t> scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
-                                   const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
-                                   const std::set<uint32_t>& removed);
+/// What a reconstruction closes behind a light, ascending.
+struct Scraps {
+    std::vector<uint32_t> sure;  ///< hang on what goes most of all
+    std::vector<uint32_t>
+        doubtful;  ///< hang on it, and more on what stays: a bag that stands on the ground, or a thing
+};
+
+/// Triangles of the scene about the body that hang together with the others by `removed` ones, and that no photograph
+/// shows but in pixels beside the light's, or through which photographs show what lies behind: the bag that a
+/// reconstruction closes below a panel. Large flat surfaces are none. O(pixels + triangles).
+Scraps scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                    const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
+                    const std::set<uint32_t>& removed);
 
 /// Fans of triangles over the borders that are left where `removed` triangles met others within `reach` metres of the
 /// body: the ground that a standing light hid. Triangles of `positions`; corners are copies of the mesh's.

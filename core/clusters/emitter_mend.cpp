@@ -281,12 +281,28 @@ EmitterReplacement replacedBy(const EmitterBody& body, const Scene& scene, const
     if (r.setBack.empty()) {
         collectObstacles(scene, capture, samples, outlines, LightBody(body, bodyMargin * double(scene.diagonal)),
                          light.triangles, clusters.emitterOfTriangle, removed);
-        const std::vector<uint32_t> scraps = scrapsBehind(scene, capture, samples, outlines, body, removed);
-        logInfo("{} triangles in the body's place go, and {} scraps that hang on them", removed.size(), scraps.size());
-        removed.insert(scraps.begin(), scraps.end());
-        groundUnder(scene, body, groundReach * double(scene.diagonal), removed, r.ground, r.groundTriangles);
+        const Scraps scraps = scrapsBehind(scene, capture, samples, outlines, body, removed);
+        logInfo("{} triangles in the body's place go, and {} scraps that hang on them; {} may be there", removed.size(),
+                scraps.sure.size(), scraps.doubtful.size());
+        removed.insert(scraps.sure.begin(), scraps.sure.end());
+        double reach = groundReach * double(scene.diagonal);
+        const auto placeNow = [&] {
+            EmitterReplacement::Place place;
+            place.removed.assign(removed.begin(), removed.end());
+            groundUnder(scene, body, reach, removed, place.ground, place.groundTriangles);
+            return place;
+        };
+        r.place = placeNow();
+        std::set<uint32_t> bag;
+        for (const uint32_t t : scraps.doubtful)
+            for (const uint32_t v : scene.mesh.triangles[t]) {
+                bag.insert(v);
+                reach = std::max(reach, body.distance(DVec3(scene.mesh.positions[v])) + 1e-3 * reach);
+            }
+        r.bag.assign(bag.begin(), bag.end());
+        removed.insert(scraps.doubtful.begin(), scraps.doubtful.end());
+        if (!bag.empty()) r.whole = placeNow();
     }
-    r.removed.assign(removed.begin(), removed.end());
     r.light = light;
     r.was.centroid = Vec3(body.centre);
     r.was.radius = float(glm::length(body.half));

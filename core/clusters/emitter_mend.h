@@ -22,11 +22,17 @@ struct EmitterMove {
 
 /// A straight body that takes the place of what the mesh has of an emitter.
 struct EmitterReplacement {
+    /// What goes of the mesh, and what it hid of the surface that the emitter stands on.
+    struct Place {
+        std::vector<uint32_t> removed;          ///< triangles, ascending
+        std::vector<Vec3> ground;               ///< metres
+        std::vector<Triangle> groundTriangles;  ///< of `ground`
+    };
     EmitterBody body;
-    std::vector<uint32_t> removed;               ///< triangles, ascending
+    Place place;
+    Place whole;                                 ///< with `bag`
+    std::vector<uint32_t> bag;                   ///< vertices behind the body that may be there or not, ascending
     std::vector<MeshMend::MovedVertex> setBack;  ///< a ridge's vertices, on the surface behind it
-    std::vector<Vec3> ground;                    ///< metres: what the emitter hid of the surface that it stands on
-    std::vector<Triangle> groundTriangles;       ///< of `ground`
     uint32_t first = 0;                          ///< vertex of the scene, where the body is in it
     EmitterMove was;                             ///< without vertices: what it is judged by
     EmitterCluster light;                        ///< what photographs show of it

@@ -24,7 +24,7 @@ public:
         Mesh mesh = scene.mesh;
         first_ = uint32_t(mesh.vertexCount());
         withBody_ = mesh.shadowless;
-        withBody_.insert(withBody_.end(), replacement.removed.begin(), replacement.removed.end());
+        withBody_.insert(withBody_.end(), replacement.place.removed.begin(), replacement.place.removed.end());
         std::sort(withBody_.begin(), withBody_.end());
         withBody_.erase(std::unique(withBody_.begin(), withBody_.end()), withBody_.end());
         withMesh_ = mesh.shadowless;
@@ -51,7 +51,7 @@ public:
         std::vector<uint8_t> skip = verticesOf(scene_, {&clusters_.emitters, &clusters_.candidates});
         for (const EmitterCluster* e : {static_cast<const EmitterCluster*>(&body_), &partial.mesh})
             for (const uint32_t v : e->vertices) skip[v] = 1;
-        for (const uint32_t t : replacement.removed)
+        for (const uint32_t t : replacement.place.removed)
             for (const uint32_t v : scene_.mesh.triangles[t]) skip[v] = 1;
         observed_ = ratioObservations(scene_, samples_, std::move(skip), options.seed);
     }

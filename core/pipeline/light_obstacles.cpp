@@ -36,9 +36,10 @@ std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const Ra
 }
 
 std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& samples,
-                                     const EmitterClusters& emitters, const SolveOptions& options, Progress& progress) {
+                                     const EmitterClusters& emitters,
+                                     const std::vector<std::vector<uint32_t>>& suspects, const SolveOptions& options,
+                                     Progress& progress) {
     std::vector<uint32_t> result;
-    const std::vector<std::vector<uint32_t>> suspects = obstacleSuspects(scene, samples, emitters);
     if (suspects.empty()) return result;
     // None of the suspects tells of the light, with or without them.
     std::vector<uint8_t> skip(scene.mesh.vertexCount(), 0);
@@ -79,6 +80,18 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
         sinceAccepted = 0;
     }
     return result;
+}
+
+bool openBags(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
+              const SolveOptions& options, std::vector<EmitterReplacement>& bodies, Progress& progress) {
+    bool any = false;
+    for (EmitterReplacement& r : bodies) {
+        if (r.bag.empty() || falseObstacles(scene, samples, emitters, {r.bag}, options, progress).empty()) continue;
+        r.place = std::move(r.whole);
+        r.bag.clear();
+        any = true;
+    }
+    return any;
 }
 
 }  // namespace relamp

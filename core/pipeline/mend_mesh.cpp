@@ -175,7 +175,7 @@ public:
             }
         if (!found.needed()) return;
         balls_ = found.balls;
-        for (EmitterReplacement& r : found.bodies) r.removed = inFile(r.removed);
+        placesInFile(found.bodies);
         add(found.removed, mend_.removed);
         Mesh left = file_;
         applyMend(mend_, left);
@@ -212,16 +212,27 @@ public:
                     tried - kept, tried);
             shape();
         }
+        if (takeBagsAway(found.bodies)) shape();
         openShades(found);
         for (const std::string& words : found.words) say(words);
         for (const EmitterReplacement& r : found.bodies) say(r.was.words);
         for (const EmitterMove& m : found.moves) say(m.words);
     }
 
+    void placesInFile(std::vector<EmitterReplacement>& bodies) const {
+        for (EmitterReplacement& r : bodies)
+            for (EmitterReplacement::Place* place : {&r.place, &r.whole}) place->removed = inFile(place->removed);
+    }
+
+    bool takeBagsAway(std::vector<EmitterReplacement>& bodies) {
+        return openBags(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, bodies, progress_);
+    }
+
     /// Skins over the openings of shades: light passes them, and photographs see through them what lies behind.
     void openShades(EmitterMend& found) {
-        const std::vector<uint32_t> obstacles =
-            falseObstacles(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
+        const std::vector<uint32_t> obstacles = falseObstacles(
+            *prepared_.scene, *prepared_.samples, prepared_.clusters,
+            obstacleSuspects(*prepared_.scene, *prepared_.samples, prepared_.clusters), options_.solve, progress_);
         if (obstacles.empty()) return;
         const std::vector<uint8_t> isLight = verticesOf(*prepared_.scene, {&prepared_.clusters.emitters});
         std::vector<uint32_t> filling = obstacles;
@@ -313,7 +324,7 @@ public:
         std::vector<EmitterReplacement> found = completedLights(*prepared_.scene, capture_, *prepared_.samples,
                                                                 prepared_.clusters, options_.solve, progress_);
         if (found.empty()) return;
-        for (EmitterReplacement& r : found) r.removed = inFile(r.removed);
+        placesInFile(found);
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;
@@ -323,6 +334,7 @@ public:
         };
         shape();
         if (findDarkSides(found)) shape();
+        if (takeBagsAway(found)) shape();
         for (const EmitterReplacement& r : found) say(r.was.words);
     }
 
@@ -401,9 +413,9 @@ private:
             for (uint32_t v = ends[side]; v < ends[side + 1] && (r.dark.empty() || !r.dark[side]); ++v)
                 mend_.shining.push_back(r.first + v);
         addPatch(surface);
-        addPatch({r.ground, r.groundTriangles, {}, 0});
+        addPatch({r.place.ground, r.place.groundTriangles, {}, 0});
         mend_.moved.insert(mend_.moved.end(), r.setBack.begin(), r.setBack.end());
-        mend_.removed.insert(mend_.removed.end(), r.removed.begin(), r.removed.end());
+        mend_.removed.insert(mend_.removed.end(), r.place.removed.begin(), r.place.removed.end());
         std::sort(mend_.removed.begin(), mend_.removed.end());
         mend_.removed.erase(std::unique(mend_.removed.begin(), mend_.removed.end()), mend_.removed.end());
     }

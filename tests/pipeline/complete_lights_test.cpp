@@ -107,7 +107,8 @@ TEST(CompletedLights, TheFloorsLightTellsHowFarAPanelGoesOn) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_NEAR(2 * found[0].body.half.x, 2 * CutPanel::halfLength, 0.08);
     EXPECT_NEAR(2 * found[0].body.half.y, 2 * CutPanel::halfWidth, 0.02);
-    for (const uint32_t t : found[0].removed) EXPECT_GE(t, CutPanel::floor().triangles.size()) << "the floor stays";
+    for (const uint32_t t : found[0].place.removed)
+        EXPECT_GE(t, CutPanel::floor().triangles.size()) << "the floor stays";
 }
 
 TEST(CompletedLights, AnExactMeshIsLeftAsItIs) {
