@@ -41,9 +41,8 @@ std::vector<MeshMend::MovedVertex> ridgeSetBack(const Scene& scene, const Emitte
 
 /// What a reconstruction closes behind a light, ascending.
 struct Scraps {
-    std::vector<uint32_t> sure;  ///< hang on what goes most of all
-    std::vector<uint32_t>
-        doubtful;  ///< hang on it, and more on what stays: a bag that stands on the ground, or a thing
+    std::vector<uint32_t> sure;      ///< hang on what goes most of all
+    std::vector<uint32_t> doubtful;  ///< hang on it, and more on what stays: a bag on the ground, or a thing
 };
 
 /// Triangles of the scene about the body that hang together with the others by `removed` ones, and that no photograph

@@ -31,13 +31,14 @@ bool splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
             if (ofView.size() <= view) ofView.resize(view + 1);
             ofView[view].push_back(ratio);
         });
-    std::vector<float> common(ofView.size(), 0);
+    constexpr float unasked = -1;
+    std::vector<float> common(ofView.size(), unasked);
     for (size_t view = 0; view < ofView.size(); ++view)
         if (ofView[view].size() >= smallestPatch) common[view] = lowerMedianOf(ofView[view]);
     const auto split = [&] {
         float low = 1e30f, high = 0;
         for (const float ratio : common)
-            if (ratio > 0) low = std::min(low, ratio), high = std::max(high, ratio);
+            if (ratio != unasked) low = std::min(low, ratio), high = std::max(high, ratio);
         patch.commonSpread = high > 0 ? (high - low) / high : 0;
         std::vector<float> own;
         for (const uint32_t v : patch.vertices) {
@@ -53,11 +54,11 @@ bool splitSpread(const RadianceSamples& samples, const std::vector<VertexRadianc
     };
     split();
     const auto countIf = [&](const auto& which) { return size_t(std::count_if(common.begin(), common.end(), which)); };
-    const size_t hidden = countIf([&](float ratio) { return ratio > 0 && ratio < hiddenBelow; }),
+    const size_t hidden = countIf([&](float ratio) { return ratio != unasked && ratio < hiddenBelow; }),
                  shown = countIf([&](float ratio) { return ratio >= hiddenBelow; });
     if (hidden == 0 || shown < shownForHidden * hidden) return false;
     const float wholeCommon = patch.commonSpread, wholeOwn = patch.ownSpread;
-    for (float& ratio : common) ratio = ratio < hiddenBelow ? 0 : ratio;
+    for (float& ratio : common) ratio = ratio < hiddenBelow ? unasked : ratio;
     split();
     if (patch.commonSpread < alikeWithin && patch.ownSpread < alikeWithin) return true;
     patch.commonSpread = wholeCommon;

@@ -178,6 +178,12 @@ TEST(Clusters, KeepAnEmitterThatSomethingHidesFromOneViewThoughTheMeshLacksIt) {
     ASSERT_EQ(one.emitters.size(), 1u);
     EXPECT_LT(one.emitters[0].evidence.viewSpread, 0.01f);
     EXPECT_NEAR(one.emitters[0].radiance.x, 60, 1e-3);
+    const EmitterClusters black = clusters(scene, looks(scene, 5, [&](uint32_t v, uint32_t i) {
+                                               if (!inSquare(scene.mesh.positions[v], 0.3f, -0.2f, 0.15f))
+                                                   return shaded(scene, v, i);
+                                               return i < 2 ? Rgb(0) : Rgb(60, 50, 40);
+                                           }));
+    EXPECT_EQ(black.emitters.size() + black.candidates.size(), 0u);
     // A reflection is alike in few views.
     EXPECT_EQ(found(2, 0).emitters.size() + found(2, 0).candidates.size(), 0u);
     EXPECT_EQ(found(1, 0.1f).emitters.size() + found(1, 0.1f).candidates.size(), 0u);
