@@ -270,10 +270,12 @@ std::vector<uint32_t> EmitterBody::surface(std::vector<Vec3>& positions, std::ve
         sheet(around, 1, [&](double s, double t) { return rim(-half.x, s, radius * (1e-3 + (1 - 1e-3) * t)); });
         return sides;
     }
+    // Photographs mix what lies on an edge with what lies beside it: a side has vertices within.
+    const auto across = [&](double length) { return std::max(2, cells(length)); };
     for (int k = 0; k < 3; ++k)
         for (const double side : {1.0, -1.0}) {
             const int a = (k + 1) % 3, b = (k + 2) % 3;
-            sheet(cells(2 * half[a]), cells(2 * half[b]), [&](double s, double t) {
+            sheet(across(2 * half[a]), across(2 * half[b]), [&](double s, double t) {
                 DVec3 at(0);
                 at[k] = side * half[k];
                 at[a] = half[a] * side * (2 * s - 1);

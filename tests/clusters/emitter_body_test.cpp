@@ -150,6 +150,23 @@ TEST(EmitterMend, ARidgeGoesBackToTheSurfaceBehindTheTube) {
     EXPECT_TRUE(mend.bodies[0].place.removed.empty());
     for (const MeshMend::MovedVertex& m : mend.bodies[0].setBack) EXPECT_NEAR(m.position.z, 0, 0.001);
 }
+TEST(EmitterBody, ANarrowStripHasVerticesAwayFromItsEdges) {
+    // On an edge a photograph shows what lies beside it as well.
+    EmitterBody strip;
+    strip.half = {0.4, 0.012, 0.012};
+    std::vector<Vec3> positions;
+    std::vector<Triangle> triangles;
+    std::vector<uint32_t> ends = strip.surface(positions, triangles);
+    ends.push_back(uint32_t(positions.size()));
+    ASSERT_EQ(ends.size(), 7u);
+    for (size_t side = 0; side + 1 < ends.size(); ++side)
+        EXPECT_TRUE(std::any_of(positions.begin() + ends[side], positions.begin() + ends[side + 1], [&](const Vec3& p) {
+            int onEdges = 0;
+            for (int k = 0; k < 3; ++k) onEdges += std::abs(std::abs(double(p[k])) - strip.half[k]) < 1e-6;
+            return onEdges == 1;
+        })) << side;
+}
+
 TEST(BodyObstacles, ABagThatNoPhotographShowsGoes) {
     // A panel's upper side, and the bag that closes it below; no camera looks up to that.
     const Vec3 centre(0, 0, 0.38f);
