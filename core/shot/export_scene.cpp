@@ -14,6 +14,7 @@
 #include "relight/backdrop.h"
 #include "scene/mesh_io.h"
 #include "scene/texcoords.h"
+#include "shot/background_file.h"
 #include "shot/shot_texture.h"
 
 namespace relamp {
@@ -235,23 +236,13 @@ void writeEnvironment(const fs::path& file, const DistantLight& light) {
     writeChannels(file, map.width, map.height, channels);
 }
 
-/// What is seen of the environment, half floats: nothing is lit by it.
+/// As wide as its widest layer.
 void writeBackdrop(const fs::path& file, const Backdrop& backdrop) {
-    constexpr float mostHalf = 65504;
     int width = 0;
     for (const Backdrop::Layer& layer : backdrop.layers) width = std::max(width, layer.panorama->width());
-    const int height = width / 2;
-    writeChannelRows(
-        file, width, height, 64, {{"", {{"R", true}, {"G", true}, {"B", true}}}},
-        [&](int first, int count, const std::vector<float*>& out) {
-            for (int y = 0; y < count; ++y)
-                for (int x = 0; x < width; ++x) {
-                    const Vec2 place((float(x) + 0.5f) / float(width), (float(first + y) + 0.5f) / float(height));
-                    const Rgb texel = backdrop.radiance(directionFromLatLong(place));
-                    for (int c = 0; c < 3; ++c)
-                        out[size_t(c)][size_t(y) * size_t(width) + size_t(x)] = std::min(texel[c], mostHalf);
-                }
-        });
+    writeBackgroundFile(file, width, [&](int x, int y) {
+        return backdrop.radiance(directionFromLatLong((Vec2(x, y) + 0.5f) / Vec2(width, width / 2)));
+    });
 }
 
 void writeMaterials(const fs::path& file, const RelitScene& relit, const DVec3& origin) {

@@ -17,6 +17,7 @@
 #include "image/environment_map.h"
 #include "image/image_io.h"
 #include "scene/mesh_io.h"
+#include "shot/background_file.h"
 #include "shot/shot_document.h"
 #include "shot/shot_leftovers.h"
 #include "shot/shot_reflectance.h"
@@ -72,19 +73,10 @@ void writeEnvironment(const fs::path& folder, const std::string& stem, int side,
     writeColours(folder / (stem + "_sigma.exr"), deviations.width, deviations.height, deviations.pixels);
 }
 
-/// Half floats: nothing is measured on it.
 void writeBackground(const fs::path& folder, const std::string& stem, const Panorama* background) {
     if (!background) return;
-    const size_t width = size_t(background->width());
-    writeChannelRows(folder / (stem + "_background.exr"), background->width(), background->height(), 64,
-                     {{"", {{"R", true}, {"G", true}, {"B", true}}}},
-                     [&](int first, int count, const std::vector<float*>& out) {
-                         for (int y = 0; y < count; ++y)
-                             for (size_t x = 0; x < width; ++x) {
-                                 const Rgb texel = background->at(int(x), first + y);
-                                 for (int c = 0; c < 3; ++c) out[size_t(c)][size_t(y) * width + x] = texel[c];
-                             }
-                     });
+    writeBackgroundFile(folder / (stem + "_background.exr"), background->width(),
+                        [&](int x, int y) { return background->at(x, y); });
 }
 
 void writeEnvironments(const Estimate& e, const fs::path& folder) {
