@@ -19,6 +19,14 @@ void moveAlong(const std::vector<Vec3>& directions, float step, const std::vecto
     }
 }
 
+/// And turns the normals as the triangles turn.
+void moveAndTurn(float step, const std::vector<int>& steps, Mesh& mesh) {
+    if (steps.empty()) return;
+    const std::vector<Vec3> before = vertexNormalsFromFaces(mesh);
+    moveAlong(mesh.normals, step, steps, mesh);
+    turnNormals(before, steps.size(), mesh);
+}
+
 glm::dquat turnOf(const PoseFix& fix) {
     const double angle = glm::length(fix.turn);
     return angle > 0 ? glm::angleAxis(angle, fix.turn / angle) : glm::dquat(1, 0, 0, 0);
@@ -54,12 +62,9 @@ Camera corrected(const Camera& camera, const PoseFix& fix) {
 
 void applyRegistration(const RegistrationFix& fix, Mesh& mesh) {
     const std::vector<Vec3> along = mesh.normals;
-    if (!fix.steps.empty()) {
-        const std::vector<Vec3> before = vertexNormalsFromFaces(mesh);
-        moveAlong(along, fix.step, fix.steps, mesh);
-        turnNormals(before, fix.steps.size(), mesh);
-    }
+    moveAndTurn(fix.step, fix.steps, mesh);
     moveAlong(along, fix.outlineStep, fix.outlineSteps, mesh);
+    moveAndTurn(fix.flatStep, fix.flatSteps, mesh);
 }
 
 void applyRegistration(const RegistrationFix& fix, Capture& capture) {

@@ -30,7 +30,9 @@ struct RegistrationFix {
     std::vector<int> steps{};         ///< along the normal of each of the first vertices; the others stay
     float outlineStep = 0;            ///< metres
     std::vector<int> outlineSteps{};  ///< the same for outlines: such vertices move, and their normals stay
-    bool empty() const { return poses.empty() && steps.empty() && outlineSteps.empty(); }
+    float flatStep = 0;               ///< metres
+    std::vector<int> flatSteps{};     ///< as `steps`, after all others: onto large flat surfaces
+    bool empty() const { return poses.empty() && flatSteps.empty() && steps.empty() && outlineSteps.empty(); }
     bool operator==(const RegistrationFix&) const = default;
 };
 
@@ -38,8 +40,8 @@ struct RegistrationFix {
 /// mesh was moved.
 void turnNormals(const std::vector<Vec3>& before, size_t vertices, Mesh& mesh);
 
-/// Moves vertices; their normals turn as their triangles do under `steps`. Throws Error for a vertex that the mesh does
-/// not have and for numbers that are not finite. O(triangles).
+/// Moves vertices; their normals turn as their triangles do under `flatSteps` and `steps`. Throws Error for a vertex
+/// that the mesh does not have and for numbers that are not finite. O(triangles).
 void applyRegistration(const RegistrationFix& fix, Mesh& mesh);
 
 /// Moves cameras and vertices. Throws Error for a view or vertex that the capture does not have and for numbers that

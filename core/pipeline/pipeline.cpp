@@ -8,6 +8,7 @@
 #include "clusters/shining_sides.h"
 #include "clusters/state_emitters.h"
 #include "pipeline/find_materials.h"
+#include "pipeline/flatten_surfaces.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
@@ -91,6 +92,30 @@ StatePart brightestPart(const Prepared& prepared) {
     const uint32_t state = brightestState(prepared.clusters, *prepared.samples);
     return {std::make_shared<const RadianceSamples>(samplesOfState(*prepared.samples, state)),
             clustersInState(*prepared.scene, prepared.clusters, state)};
+}
+
+/// Brings floors and walls onto their planes. `shape`: see correctCapture.
+void flatten(const PipelineOptions& options, Capture& capture, Prepared& prepared, RegistrationFix& fix,
+             std::vector<Vec3>& shape, StageMeter& meter, Progress& progress) {
+    const StatePart part = brightestPart(prepared);
+    Capture ofState;
+    if (capture.states.size() > 1)
+        ofState = captureOfState(capture, brightestState(prepared.clusters, *prepared.samples));
+    const FlattenedSurfaces flat =
+        flattenSurfaces(capture.states.size() > 1 ? ofState : capture, *prepared.scene, *part.samples, part.clusters,
+                        options.gather, options.solve, progress);
+    if (flat.fix.empty()) return;
+    for (const std::string& words : flat.words) {
+        logInfo("{}", words);
+        capture.notes.push_back(words);
+    }
+    fix.flatStep = flat.fix.flatStep;
+    fix.flatSteps = flat.fix.flatSteps;
+    const std::vector<Vec3> wavy = capture.mesh.positions;
+    applyRegistration(flat.fix, capture.mesh);
+    if (shape.empty()) shape = wavy;
+    for (size_t v = 0; v < shape.size(); ++v) shape[v] += capture.mesh.positions[v] - wavy[v];
+    prepared = prepare(capture, options, meter, progress);
 }
 
 /// The plan knows one state. Its steps have as many more rows as there are more observations; visibility has not.
@@ -200,6 +225,7 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             for (size_t i = 0; i < first.size(); ++i) capture.views[i].camera = corrected(given[i], poses[i]);
             prepared = prepare(capture, options, meter, progress);
         }
+        if (!prepared.working) flatten(options, capture, prepared, done.registration, shape, meter, progress);
     }
     // Do exposures differ from photograph to photograph?
     if (options.photometric && done.photometric.empty()) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/statistics.h"
+
 namespace relamp {
 namespace {
 
@@ -10,6 +12,9 @@ constexpr size_t seeds = 200, mostSurfaces = 4;
 constexpr float planeTolerance = 0.004f;  ///< of the diagonal
 constexpr double alongNormal = 0.9;       ///< cosine between normals of mesh and plane
 constexpr double leastArea = 0.05;        ///< of the mesh
+constexpr double standsOut = 3;           ///< standard deviations of what a surface's vertices are off by
+constexpr int followers = 4;              ///< rings of edges
+constexpr float following = 0.75f;        ///< of the ring before
 
 std::vector<uint32_t> byRank(const Scene& scene) {
     std::vector<uint32_t> order;
@@ -75,6 +80,56 @@ std::vector<FlatSurface> flatSurfaces(const Scene& scene, const std::vector<uint
         const std::optional<FlatSurface> next = largestPlane(scene, left, total);
         if (!next) break;
         result.push_back(*next);
+    }
+    return result;
+}
+
+Flattening flattening(const Scene& scene, const std::vector<FlatSurface>& surfaces, size_t vertices,
+                      const std::vector<uint8_t>& leftOut) {
+    Flattening result;
+    result.move.assign(vertices, 0);
+    result.surface.assign(vertices, -1);
+    std::vector<uint8_t> moves(vertices, 0);
+    std::vector<uint32_t> ring;
+    for (size_t s = 0; s < surfaces.size(); ++s) {
+        std::vector<uint32_t> on;
+        std::vector<float> off;
+        for (uint32_t v = 0; v < vertices; ++v) {
+            if (leftOut[v] || moves[v] || !scene.referenced[v] || !liesOn(scene, surfaces[s], v)) continue;
+            on.push_back(v);
+            off.push_back(float(std::abs(surfaces[s].off(DVec3(scene.mesh.positions[v])))));
+        }
+        const double waves = 1.4826 * double(medianOf(std::move(off)));
+        result.waves.push_back(waves);
+        for (const uint32_t v : on) {
+            const double height = surfaces[s].off(DVec3(scene.mesh.positions[v]));
+            if (std::abs(height) > standsOut * waves) continue;
+            result.move[v] = float(-height / glm::dot(DVec3(scene.mesh.normals[v]), surfaces[s].up));
+            result.surface[v] = int(s);
+            moves[v] = 1;
+            ring.push_back(v);
+        }
+    }
+    for (int k = 0; k < followers; ++k) {
+        std::vector<uint32_t> next;
+        for (const uint32_t from : ring)
+            for (uint32_t e = scene.graph.start[from]; e < scene.graph.start[from + 1]; ++e)
+                if (const uint32_t v = scene.graph.to[e]; v < vertices && !moves[v] && !leftOut[v]) {
+                    moves[v] = 2;
+                    next.push_back(v);
+                }
+        std::sort(next.begin(), next.end());
+        for (const uint32_t v : next) {
+            float sum = 0, count = 0;
+            for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+                if (const uint32_t n = scene.graph.to[e]; n < vertices && moves[n] == 1) {
+                    sum += result.move[n];
+                    count += 1;
+                }
+            if (count > 0) result.move[v] = following * sum / count;
+        }
+        for (const uint32_t v : next) moves[v] = 1;
+        ring = std::move(next);
     }
     return result;
 }

@@ -18,4 +18,17 @@ bool liesOn(const Scene& scene, const FlatSurface& surface, uint32_t vertex);
 /// Vertices of `leftOut` (non-zero: lights) are of none. O(trials x vertices).
 std::vector<FlatSurface> flatSurfaces(const Scene& scene, const std::vector<uint8_t>& leftOut);
 
+/// What brings a mesh onto its flat surfaces.
+struct Flattening {
+    std::vector<float> move;    ///< metres along the normal, of each of the first vertices
+    std::vector<int> surface;   ///< that the vertex comes to lie on; -1: none, though it may move with its neighbours
+    std::vector<double> waves;  ///< metres, of each surface: what its vertices are off by (robust standard deviation)
+};
+
+/// Vertices that lie on a surface, and no farther off than thrice its waves, come onto it; what is farther off stands
+/// out from it. Those around them follow, each ring of edges by three quarters of the ring before. `vertices`: the
+/// first, that may move; none of `leftOut` does. O(vertices).
+Flattening flattening(const Scene& scene, const std::vector<FlatSurface>& surfaces, size_t vertices,
+                      const std::vector<uint8_t>& leftOut);
+
 }  // namespace relamp

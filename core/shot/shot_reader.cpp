@@ -193,6 +193,8 @@ RegistrationFix registrationOf(const JsonFields& object) {
     fix.steps = displacements("displacements");
     fix.outlineStep = unit("outline_unit");
     fix.outlineSteps = displacements("outline_displacements");
+    fix.flatStep = unit("flat_unit");
+    fix.flatSteps = displacements("flat_displacements");
     for (const JsonFields& p : object.list("poses")) {
         fix.poses.push_back({text(p, "view"), p.get<DVec3>("turn"), p.get<DVec3>("shift")});
         withContext(p.name("turn"), [&] { corrected(Camera(), fix.poses.back()); });

@@ -190,7 +190,9 @@ Json registrationJson(const RegistrationFix& fix) {
               {"displacement_unit", fix.step},
               {"displacements", fix.steps},
               {"outline_unit", fix.outlineStep},
-              {"outline_displacements", fix.outlineSteps}};
+              {"outline_displacements", fix.outlineSteps},
+              {"flat_unit", fix.flatStep},
+              {"flat_displacements", fix.flatSteps}};
     for (const PoseFix& p : fix.poses)
         json["poses"].push_back({{"view", p.view}, {"turn", toJson(p.turn)}, {"shift", toJson(p.shift)}});
     return json;

@@ -68,6 +68,23 @@ TEST(RegistrationFix, KeepsNormalsWhereOutlinesMove) {
     EXPECT_THROW(applyRegistration(fix, capture), Error);
 }
 
+TEST(RegistrationFix, FlattensAfterAllElse) {
+    Capture capture = sheetCapture();
+    RegistrationFix fix;
+    fix.step = fix.flatStep = 0.01f;
+    // A slope, and back again along its own normals.
+    for (const Vec3& p : capture.mesh.positions) fix.steps.push_back(int(std::lround(10 * p.x)));
+    for (const int s : fix.steps) fix.flatSteps.push_back(-s);
+    EXPECT_FALSE(RegistrationFix({{}, 0, {}, 0, {}, 0.01f, {1}}).empty());
+    applyRegistration(fix, capture);
+    for (size_t v = 0; v < capture.mesh.vertexCount(); ++v) {
+        EXPECT_NEAR(capture.mesh.positions[v].z, 0, 2e-3f);
+        EXPECT_GT(capture.mesh.normals[v].z, 0.999f);
+    }
+    fix.flatSteps.resize(capture.mesh.vertexCount() + 1);
+    EXPECT_THROW(applyRegistration(fix, capture), Error);
+}
+
 TEST(RegistrationFix, MovesEachOfTwoViewsOfOneName) {
     Capture capture = sheetCapture();
     capture.views.push_back(capture.views[0]);

@@ -1,0 +1,102 @@
+#include "pipeline/flatten_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/log.h"
+#include "pipeline/mend_mesh.h"
+#include "pipeline/plan_pilot.h"
+#include "scene/flat_surface.h"
+
+namespace relamp {
+namespace {
+
+constexpr double leastWaves = 1e-4;                            ///< of the diagonal
+constexpr double disagreeMore = 0.20, sureOfDisagreement = 3;  ///< of the misfit; standard errors
+constexpr double explainWorse = 0.03, sureOfWorse = 4;
+constexpr double usualDifference = 0.1;  ///< between observations of one vertex, log luminance
+
+RegistrationFix fixOf(const Flattening& flat) {
+    RegistrationFix fix;
+    float most = 0;
+    for (const float m : flat.move) most = std::max(most, std::abs(m));
+    fix.flatStep = most / 10000;
+    if (!(fix.flatStep > 0)) return {};
+    for (const float m : flat.move) fix.flatSteps.push_back(int(std::lround(m / fix.flatStep)));
+    return fix;
+}
+
+/// What the photographs of one vertex differ by: the variance of log luminance over the views, bent (Cauchy).
+double disagreement(const RadianceSamples& samples, uint32_t v) {
+    double sum = 0, squares = 0, count = 0;
+    for (uint32_t k = samples.start[v]; k < samples.start[v + 1]; ++k) {
+        const double light = double(luminance(samples.samples[k].radiance));
+        if (!(light > 0)) continue;
+        const double log = std::log(light);
+        sum += log;
+        squares += log * log;
+        count += 1;
+    }
+    if (count < 2) return 0;
+    return std::log1p(std::max(0.0, squares / count - sum * sum / (count * count)) /
+                      (usualDifference * usualDifference));
+}
+
+/// How much better photographs agree on the vertices of one surface when it is flat.
+MisfitFall agreeBetter(const Flattening& flat, int surface, const RadianceSamples& wavy, const RadianceSamples& even) {
+    std::vector<double> before, after;
+    for (uint32_t v = 0; v < flat.surface.size(); ++v) {
+        if (flat.surface[v] != surface) continue;
+        before.push_back(disagreement(wavy, v));
+        after.push_back(disagreement(even, v));
+    }
+    return misfitFall(before, after);
+}
+
+MisfitFall reversed(const MisfitFall& fall) { return {-fall.part, -fall.errors, fall.pairs}; }
+
+}  // namespace
+
+FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                  const EmitterClusters& clusters, const GatherOptions& gather,
+                                  const SolveOptions& options, Progress& progress) {
+    const std::vector<uint8_t> lights = verticesOf(scene, {&clusters.emitters, &clusters.candidates});
+    const size_t own = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
+    const std::vector<FlatSurface> all = flatSurfaces(scene, lights);
+    Flattening flat = flattening(scene, all, own, lights);
+    const double least = leastWaves * double(scene.diagonal);
+    if (std::none_of(flat.waves.begin(), flat.waves.end(), [&](double w) { return w > least; })) return {};
+
+    Mesh mesh = scene.mesh;
+    applyRegistration(fixOf(flat), mesh);
+    Scene even = buildScene(std::move(mesh), progress, scene.axes);
+    even.rank = scene.rank;  // the same pairs
+    const RadianceSamples seen = gatherRadiance(capture, even, gather, progress);
+    FlattenedSurfaces result;
+    std::vector<FlatSurface> wanted;
+    for (size_t s = 0; s < all.size(); ++s) {
+        const MisfitFall fall = agreeBetter(flat, int(s), samples, seen);
+        const bool relief = reversed(fall).exceeds(disagreeMore, sureOfDisagreement);
+        const DVec3 at = all[s].point + capture.origin;
+        logInfo("a flat surface of {:.2f} m2 at {:.2f} {:.2f} {:.2f} has waves of {:.2f} mm; photographs without: {}{}",
+                all[s].area, at.x, at.y, at.z, 1000 * flat.waves[s], fall.words(), relief ? ": left as it is" : "");
+        if (relief || !(flat.waves[s] > least)) continue;
+        wanted.push_back(all[s]);
+        result.words.push_back(fmt::format(
+            "a surface of {:.2f} m2 is flat but for waves of {:.2f} mm, as reconstructions have them: brought onto its "
+            "plane",
+            all[s].area, 1000 * flat.waves[s]));
+    }
+    const RatioObservations observed = ratioObservations(scene, samples, lights, options.seed);
+    const MisfitFall fall =
+        misfitFall(pilotMisfits(scene, samples, clusters, observed.matte, observed.pairs, options, progress),
+                   pilotMisfits(even, samples, clusters, observed.matte, observed.pairs, options, progress));
+    const bool worse = reversed(fall).exceeds(explainWorse, sureOfWorse);
+    logInfo("with flat surfaces: {}{}", fall.words(), worse ? "; left as they are" : "");
+    if (worse || wanted.empty()) return {};
+    if (wanted.size() < all.size()) flat = flattening(scene, wanted, own, lights);
+    result.fix = fixOf(flat);
+    return result;
+}
+
+}  // namespace relamp
