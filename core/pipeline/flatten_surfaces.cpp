@@ -62,10 +62,13 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
                                   const SolveOptions& options, Progress& progress) {
     const std::vector<uint8_t> lights = verticesOf(scene, {&clusters.emitters, &clusters.candidates});
     const size_t own = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
-    const std::vector<FlatSurface> all = flatSurfaces(scene, lights);
-    Flattening flat = flattening(scene, all, own, lights);
-    const double least = leastWaves * double(scene.diagonal);
-    if (std::none_of(flat.waves.begin(), flat.waves.end(), [&](double w) { return w > least; })) return {};
+    const std::vector<FlatSurface> planes = flatSurfaces(scene, lights);
+    Flattening flat = flattening(scene, planes, own, lights);
+    std::vector<FlatSurface> wavy;
+    for (size_t s = 0; s < planes.size(); ++s)
+        if (flat.isFlat(s) && flat.waves[s] > leastWaves * double(scene.diagonal)) wavy.push_back(planes[s]);
+    if (wavy.empty()) return {};
+    if (wavy.size() < planes.size()) flat = flattening(scene, wavy, own, lights);
 
     Mesh mesh = scene.mesh;
     applyRegistration(fixOf(flat), mesh);
@@ -74,18 +77,18 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     const RadianceSamples seen = gatherRadiance(capture, even, gather, progress);
     FlattenedSurfaces result;
     std::vector<FlatSurface> wanted;
-    for (size_t s = 0; s < all.size(); ++s) {
+    for (size_t s = 0; s < wavy.size(); ++s) {
         const MisfitFall fall = agreeBetter(flat, int(s), samples, seen);
         const bool relief = reversed(fall).exceeds(disagreeMore, sureOfDisagreement);
-        const DVec3 at = all[s].point + capture.origin;
+        const DVec3 at = wavy[s].point + capture.origin;
         logInfo("a flat surface of {:.2f} m2 at {:.2f} {:.2f} {:.2f} has waves of {:.2f} mm; photographs without: {}{}",
-                all[s].area, at.x, at.y, at.z, 1000 * flat.waves[s], fall.words(), relief ? ": left as it is" : "");
-        if (relief || !(flat.waves[s] > least)) continue;
-        wanted.push_back(all[s]);
+                wavy[s].area, at.x, at.y, at.z, 1000 * flat.waves[s], fall.words(), relief ? ": left as it is" : "");
+        if (relief) continue;
+        wanted.push_back(wavy[s]);
         result.words.push_back(fmt::format(
             "a surface of {:.2f} m2 is flat but for waves of {:.2f} mm, as reconstructions have them: brought onto its "
             "plane",
-            all[s].area, 1000 * flat.waves[s]));
+            wavy[s].area, 1000 * flat.waves[s]));
     }
     const RatioObservations observed = ratioObservations(scene, samples, lights, options.seed);
     const MisfitFall fall =
@@ -94,7 +97,7 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     const bool worse = reversed(fall).exceeds(explainWorse, sureOfWorse);
     logInfo("with flat surfaces: {}{}", fall.words(), worse ? "; left as they are" : "");
     if (worse || wanted.empty()) return {};
-    if (wanted.size() < all.size()) flat = flattening(scene, wanted, own, lights);
+    if (wanted.size() < wavy.size()) flat = flattening(scene, wanted, own, lights);
     result.fix = fixOf(flat);
     return result;
 }

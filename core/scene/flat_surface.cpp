@@ -1,6 +1,7 @@
 #include "scene/flat_surface.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "base/statistics.h"
@@ -13,6 +14,7 @@ constexpr float planeTolerance = 0.004f;  ///< of the diagonal
 constexpr double alongNormal = 0.9;       ///< cosine between normals of mesh and plane
 constexpr double leastArea = 0.05;        ///< of the mesh
 constexpr double standsOut = 3;           ///< standard deviations of what a surface's vertices are off by
+constexpr double mostBent = 0.6;          ///< of the squares of heights
 constexpr int followers = 4;              ///< rings of edges
 constexpr float following = 0.75f;        ///< of the ring before
 
@@ -63,6 +65,34 @@ std::optional<FlatSurface> largestPlane(const Scene& scene, std::vector<uint32_t
     return best;
 }
 
+/// What part of the squares of heights over the plane a surface of second order explains: much of a cylinder's or a
+/// ball's, little of waves.
+double bentPart(const Scene& scene, const FlatSurface& plane, const std::vector<uint32_t>& vertices) {
+    const glm::dmat3 axes(frameAround(Vec3(plane.up)));
+    std::vector<std::vector<double>> terms(7, std::vector<double>(vertices.size()));
+    for (size_t i = 0; i < vertices.size(); ++i) {
+        const DVec3 at = DVec3(scene.mesh.positions[vertices[i]]) - plane.point;
+        const double x = glm::dot(at, axes[0]) / double(scene.diagonal),
+                     y = glm::dot(at, axes[1]) / double(scene.diagonal);
+        const double values[] = {1, x, y, x * x, x * y, y * y, plane.off(DVec3(scene.mesh.positions[vertices[i]]))};
+        for (size_t k = 0; k < terms.size(); ++k) terms[k][i] = values[k];
+    }
+    // Gram and Schmidt: the heights come last.
+    const auto product = [&](size_t a, size_t b) {
+        return std::inner_product(terms[a].begin(), terms[a].end(), terms[b].begin(), 0.0);
+    };
+    double explained = 0, all = 0;
+    for (size_t k = 0; k < terms.size(); ++k)
+        for (size_t j = 0; j < k; ++j) {
+            const double length = product(j, j), along = product(k, j);
+            if (k == 6 && j == 3) all = product(k, k);
+            if (!(length > 0)) continue;
+            if (k == 6 && j >= 3) explained += along * along / length;
+            for (size_t i = 0; i < vertices.size(); ++i) terms[k][i] -= along / length * terms[j][i];
+        }
+    return all > 0 ? explained / all : 0;
+}
+
 }  // namespace
 
 bool liesOn(const Scene& scene, const FlatSurface& surface, uint32_t vertex) {
@@ -84,6 +114,8 @@ std::vector<FlatSurface> flatSurfaces(const Scene& scene, const std::vector<uint
     return result;
 }
 
+bool Flattening::isFlat(size_t of) const { return bent[of] <= mostBent; }
+
 Flattening flattening(const Scene& scene, const std::vector<FlatSurface>& surfaces, size_t vertices,
                       const std::vector<uint8_t>& leftOut) {
     Flattening result;
@@ -99,8 +131,10 @@ Flattening flattening(const Scene& scene, const std::vector<FlatSurface>& surfac
             on.push_back(v);
             off.push_back(float(std::abs(surfaces[s].off(DVec3(scene.mesh.positions[v])))));
         }
-        const double waves = 1.4826 * double(medianOf(std::move(off)));
+        const double waves = on.empty() ? 0 : 1.4826 * double(medianOf(std::move(off)));
         result.waves.push_back(waves);
+        result.bent.push_back(bentPart(scene, surfaces[s], on));
+        if (!result.isFlat(s)) continue;
         for (const uint32_t v : on) {
             const double height = surfaces[s].off(DVec3(scene.mesh.positions[v]));
             if (std::abs(height) > standsOut * waves) continue;

@@ -23,11 +23,15 @@ struct Flattening {
     std::vector<float> move;    ///< metres along the normal, of each of the first vertices
     std::vector<int> surface;   ///< that the vertex comes to lie on; -1: none, though it may move with its neighbours
     std::vector<double> waves;  ///< metres, of each surface: what its vertices are off by (robust standard deviation)
+    std::vector<double> bent;   ///< of each surface: part of the squares of heights that a second order explains
+    /// Below 0.6 of it: true planes with waves have 0.01 to 0.32, sides of something round 0.9 and more.
+    bool isFlat(size_t of) const;
 };
 
-/// Vertices that lie on a surface, and no farther off than thrice its waves, come onto it; what is farther off stands
-/// out from it. Those around them follow, each ring of edges by three quarters of the ring before. `vertices`: the
-/// first, that may move; none of `leftOut` does. O(vertices).
+/// Sides of something round stay. Vertices that lie on a surface,
+/// and no farther off than thrice its waves, come onto it; what is farther off stands out from it. Those
+/// around them follow, each ring of edges by three quarters of the ring before. `vertices`: the first, that may move;
+/// none of `leftOut` does. O(vertices).
 Flattening flattening(const Scene& scene, const std::vector<FlatSurface>& surfaces, size_t vertices,
                       const std::vector<uint8_t>& leftOut);
 

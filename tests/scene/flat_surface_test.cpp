@@ -65,6 +65,31 @@ TEST(Flattening, BringsWavesOntoTheirPlanesAndKeepsWhatStandsOut) {
     EXPECT_GT(onto, 0.85 * double(scene.mesh.vertexCount()));
 }
 
+TEST(Flattening, LeavesSidesOfRoundThings) {
+    Progress progress;
+    Mesh drum;
+    constexpr uint32_t around = 90, up = 40;
+    for (uint32_t i = 0; i <= around; ++i)
+        for (uint32_t j = 0; j <= up; ++j) {
+            const float a = 2 * pi * float(i) / around;
+            drum.positions.push_back({std::cos(a), std::sin(a), 2 * float(j) / up});
+        }
+    for (uint32_t i = 0; i < around; ++i)
+        for (uint32_t j = 0; j < up; ++j) {
+            const uint32_t a = i * (up + 1) + j, b = a + up + 1;
+            drum.triangles.push_back({a, b, b + 1});
+            drum.triangles.push_back({a, b + 1, a + 1});
+        }
+    drum.normals = vertexNormalsFromFaces(drum);
+    const Scene scene = buildScene(std::move(drum), progress);
+    const std::vector<uint8_t> lights(scene.mesh.vertexCount(), 0);
+    const std::vector<FlatSurface> surfaces = flatSurfaces(scene, lights);
+    ASSERT_FALSE(surfaces.empty());
+    const Flattening flat = flattening(scene, surfaces, scene.mesh.vertexCount(), lights);
+    for (size_t s = 0; s < surfaces.size(); ++s) EXPECT_FALSE(flat.isFlat(s)) << flat.bent[s];
+    for (const float m : flat.move) EXPECT_EQ(m, 0);
+}
+
 TEST(Flattening, MovesOnlyTheFirstVertices) {
     Progress progress;
     const Scene scene = buildScene(wavyCorner(0.004f), progress);
