@@ -28,10 +28,9 @@ struct Flattening {
     bool isFlat(size_t of) const;
 };
 
-/// Sides of something round stay. Vertices that lie on a surface,
-/// and no farther off than thrice its waves, come onto it; what is farther off stands out from it. Those
-/// around them follow, each ring of edges by three quarters of the ring before. `vertices`: the first, that may move;
-/// none of `leftOut` does. O(vertices).
+/// Vertices that lie on a surface, and no farther off than thrice its waves, come onto it; what is farther off stands
+/// out from it, and sides of something round stay. Those around them follow, each ring of edges by three quarters of
+/// the ring before. `vertices`: the first, that may move; none of `leftOut` does. O(vertices).
 Flattening flattening(const Scene& scene, const std::vector<FlatSurface>& surfaces, size_t vertices,
                       const std::vector<uint8_t>& leftOut);
 
