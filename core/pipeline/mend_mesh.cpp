@@ -9,6 +9,7 @@
 #include "pipeline/emitter_backs.h"
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
+#include "pipeline/sharpen_creases.h"
 #include "radiance/back_sides.h"
 #include "radiance/crossed_sheets.h"
 #include "radiance/cut_surfaces.h"
@@ -16,7 +17,6 @@
 #include "radiance/mirror_spheres.h"
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
-#include "scene/sharp_creases.h"
 #include "solve/registration/contour_fit.h"
 #include "solve/registration/round_rim.h"
 #include "transport/unlit_skirts.h"
@@ -99,43 +99,18 @@ public:
         say(fmt::format("photographs show {:.0f} cm2 of round surfaces that the mesh lacks: added", 1e4f * area));
     }
 
-    /// Edges of boxes, plinths and walls, which the mesh rounds. `shape`: the mesh before outlines were moved, which
-    /// pushed what is rounded off out on either side: they are brought to the photographs' anew, from sharp edges.
+    /// Edges of boxes, plinths and walls, which the mesh rounds. `shape`: the mesh before outlines were moved.
     void sharpenCreases(const std::vector<Vec3>& shape) {
-        const Scene& scene = *prepared_.scene;
-        std::vector<uint8_t> isLight = verticesOfLights(), leftOut = isLight;
-        std::fill(leftOut.begin() + std::ptrdiff_t(file_.vertexCount()), leftOut.end(), uint8_t(1));
-        for (const MeshMend::MovedVertex& m : mend_.moved) leftOut[m.vertex] = 1;
-        Mesh mesh = scene.mesh;
-        for (size_t v = 0; v < shape.size(); ++v)
-            if (!leftOut[v]) mesh.positions[v] = shape[v];
-        std::vector<Vec3> sides(mesh.vertexCount(), Vec3(0));
-        const auto sharpen = [&] {
-            const std::vector<CreaseVertex> found = sharpCreases(scene, mesh.positions, sides, leftOut);
-            for (const CreaseVertex& c : found) {
-                mesh.positions[c.vertex] = c.position;
-                mesh.normals[c.vertex] = sides[c.vertex] = c.normal;
-            }
-            return found;
-        };
-        constexpr size_t worthIt = 50;  // vertices: outlines take seconds
-        if (sharpen().size() < worthIt) return;
-        const std::vector<CreaseVertex> again = sharpen();  // sharper sides reach further
-        Mesh common = mesh;                                 // both sides of a crease go the same way
-        for (const CreaseVertex& c : again) common.normals[c.vertex] = c.middle;
-        const Scene sharp = buildScene(std::move(common), progress_, scene.axes);
-        const ContourEstimate contours =
-            alignContours(capture_, sharp, {}, file_.vertexCount(), isLight, darkness(), progress_);
-        logInfo("with sharp creases {}{}", toText(contours), contours.needed() ? "; moved" : "; left as they are");
-        if (contours.needed()) {
-            Mesh moved = sharp.mesh;
-            applyRegistration(contours.fix, moved);
-            mesh.positions = std::move(moved.positions);
-        }
+        const Mesh& mesh = prepared_.scene->mesh;
+        SharpenOptions sharpen{file_.vertexCount(), verticesOfLights(), verticesOfLights(), darkness()};
+        std::fill(sharpen.leftOut.begin() + std::ptrdiff_t(file_.vertexCount()), sharpen.leftOut.end(), uint8_t(1));
+        for (const MeshMend::MovedVertex& m : mend_.moved) sharpen.leftOut[m.vertex] = 1;
+        const SharpenedMesh sharp = sharpenedCreases(capture_, *prepared_.scene, shape, sharpen, progress_);
+        if (sharp.empty()) return;
         for (uint32_t v = 0; v < file_.vertexCount(); ++v) {
-            if (!leftOut[v] && mesh.positions[v] != scene.mesh.positions[v])
-                mend_.moved.push_back({v, mesh.positions[v]});
-            if (sides[v] != Vec3(0)) mend_.turned.push_back({v, sides[v]});
+            if (!sharpen.leftOut[v] && sharp.positions[v] != mesh.positions[v])
+                mend_.moved.push_back({v, sharp.positions[v]});
+            if (sharp.sides[v] != Vec3(0)) mend_.turned.push_back({v, sharp.sides[v]});
         }
         apply({});
         say(fmt::format("rounded creases are sharp where two flat sides meet ({} vertices)", mend_.turned.size()));
