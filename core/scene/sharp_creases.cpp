@@ -12,6 +12,8 @@ constexpr size_t leastFaces = 20;      ///< within reach
 constexpr size_t seedEvery = 3;        ///< of them, one is tried as a side
 constexpr float turning = 0.99f;       ///< cosine between neighbours' normals: beside a crease there are more so
 constexpr float sameSide = 0.985f;     ///< cosine: 10 degrees
+constexpr float sameDrum = 0.6f;       ///< cosine: 53 degrees
+constexpr float sameSlope = 0.17f;     ///< of cosines with the other side's normal: 10 degrees
 constexpr float otherSide = 0.82f;     ///< cosine: 35 degrees
 constexpr float blade = -0.9f;         ///< cosine: sides that lie back to back have no crease to slide to
 constexpr float sameSheet = -0.2f;     ///< cosine: what faces away is another sheet
@@ -35,12 +37,21 @@ struct Side {
     bool flat = false;
 };
 
-/// Mean normal within a cone, and the area in it.
+/// Whether a face is of the side with this normal. What stands on a side may bend around its normal, as drums do.
+bool isOf(const Near& n, const Vec3& axis, const Vec3* apartFrom) {
+    const float cosine = glm::dot(n.normal, axis);
+    if (!apartFrom) return cosine > sameSide;
+    const float slope = glm::dot(n.normal, *apartFrom);
+    if (slope > otherSide) return false;
+    return cosine > sameSide || (cosine > sameDrum && std::abs(slope - glm::dot(axis, *apartFrom)) < sameSlope);
+}
+
+/// Mean normal within a side, and its area.
 std::pair<Vec3, float> coneMean(const std::vector<Near>& all, const Vec3& axis, const Vec3* apartFrom) {
     Vec3 sum(0);
     float area = 0;
     for (const Near& n : all) {
-        if (glm::dot(n.normal, axis) < sameSide || (apartFrom && glm::dot(n.normal, *apartFrom) > otherSide)) continue;
+        if (!isOf(n, axis, apartFrom)) continue;
         sum += n.area * n.normal;
         area += n.area;
     }
@@ -63,23 +74,26 @@ std::optional<Side> largestSide(const std::vector<Near>& all, const Vec3& place,
     Side side;
     side.normal = glm::normalize(axis);
     Vec3 centre(0);
+    float middle = 0;  // area of what faces as the side does, without its bend
     for (const Near& n : all) {
-        if (glm::dot(n.normal, side.normal) < sameSide) continue;
+        if (!isOf(n, side.normal, apartFrom)) continue;
         side.area += n.area;
-        centre += n.area * n.position;
         // Half way between the normals: exact on spheres and cylinders.
         side.height += n.area * glm::dot(place - n.position, 0.5f * (n.normal + side.normal));
+        if (glm::dot(n.normal, side.normal) < sameSide) continue;
+        middle += n.area;
+        centre += n.area * n.position;
     }
-    if (!(side.area > 0)) return std::nullopt;
-    centre /= side.area;
+    if (!(middle > 0)) return std::nullopt;
+    centre /= middle;
     side.height /= side.area;
     float squares = 0;
     for (const Near& n : all) {
-        if (glm::dot(n.normal, side.normal) < sameSide) continue;
+        if (!isOf(n, side.normal, apartFrom) || glm::dot(n.normal, side.normal) < sameSide) continue;
         const float off = glm::dot(n.position - centre, side.normal);
         squares += n.area * off * off;
     }
-    side.flat = squares <= side.area * flatWithin * flatWithin * reached * reached;
+    side.flat = squares <= middle * flatWithin * flatWithin * reached * reached;
     return side;
 }
 
