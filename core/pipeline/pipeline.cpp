@@ -7,6 +7,7 @@
 #include "capture/own_axes.h"
 #include "clusters/shining_sides.h"
 #include "clusters/state_emitters.h"
+#include "pipeline/carry_corrections.h"
 #include "pipeline/find_materials.h"
 #include "pipeline/flatten_surfaces.h"
 #include "pipeline/mend_mesh.h"
@@ -173,13 +174,19 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
     return p;
 }
 
-Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
-                           Progress& progress) {
-    warnOfOtherEnvironments(capture, *prepared.samples);
+namespace {
+
+bool isMended(const CaptureFix& told) {
+    return !told.mend.empty() ||
+           std::any_of(told.proxies.begin(), told.proxies.end(), [](const ProxyLight& p) { return p.observed(); });
+}
+
+/// Cameras, mesh, exposures and normals; see correctCapture.
+Corrections correctMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
+                        Progress& progress) {
     const CaptureFix& told = options.load.fix;
     Corrections done{told.registration, told.photometric, told.mend, std::max(0, told.smoothNormals)};
-    const bool mended = !told.mend.empty() || std::any_of(told.proxies.begin(), told.proxies.end(),
-                                                          [](const ProxyLight& p) { return p.observed(); });
+    const bool mended = isMended(told);
     std::vector<Vec3> shape;  // of a mesh that registration moved, without what it did to outlines
     if (!done.registration.empty()) shape = capture.mesh.positions;
     // Do the photographs agree on the mesh?
@@ -256,7 +263,53 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
             prepared.scene = std::make_shared<const Scene>(buildScene(capture.mesh, progress, ownAxes(capture)));
         }
     }
-    if (!prepared.working) {
+    return done;
+}
+
+/// The same of a large mesh: found on its working mesh and carried back.
+Corrections correctLargeMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
+                             Progress& progress) {
+    DecimatedMesh working = std::move(*prepared.working);
+    prepared.working.reset();
+    Mesh whole = std::exchange(capture.mesh, working.mesh);
+    const size_t proxies = capture.proxies.size();
+    PipelineOptions small = options;
+    small.meshTriangles = 0;
+    small.load.fix.smoothNormals = 0;  // a decimated mesh's are means already
+    const Corrections found = correctMesh(small, capture, prepared, meter, progress);
+    RegistrationFix shape = found.registration;
+    shape.poses.clear();  // cameras have theirs
+    if (shape.empty() && found.mend.empty()) {
+        capture.mesh = std::move(whole);
+        prepared.working = std::move(working);
+        return found;
+    }
+    std::vector<Vec3> corrected = std::move(capture.mesh.positions);
+    corrected.resize(working.mesh.vertexCount());
+    const Corrections done = carriedBack(found, working, corrected, whole);
+    shape = done.registration;
+    shape.poses.clear();
+    capture.mesh = std::move(whole);
+    applyRegistration(shape, capture.mesh);
+    applyMend(done.mend, capture.mesh);
+    addProxies({capture.proxies.begin() + std::ptrdiff_t(proxies), capture.proxies.end()}, capture.mesh);
+    prepared = prepare(capture, options, meter, progress);
+    return done;
+}
+
+}  // namespace
+
+Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
+                           Progress& progress) {
+    warnOfOtherEnvironments(capture, *prepared.samples);
+    const CaptureFix& told = options.load.fix;
+    const bool large = prepared.working && told.registration.empty() && !isMended(told);
+    Corrections done = large ? correctLargeMesh(options, capture, prepared, meter, progress)
+                             : correctMesh(options, capture, prepared, meter, progress);
+    if (prepared.working) {
+        letSidesShine(*prepared.scene, inWorkingMesh(done.mend.shining, *prepared.working), prepared.clusters);
+        letBacksShine(inWorkingMesh(done.mend.bothSides, *prepared.working), prepared.clusters);
+    } else {
         letSidesShine(*prepared.scene, done.mend.shining, prepared.clusters);
         letBacksShine(done.mend.bothSides, prepared.clusters);
     }
