@@ -176,6 +176,9 @@ Prepared prepare(const Capture& capture, const PipelineOptions& options, StageMe
 
 namespace {
 
+/// Of a working mesh: those of a coarser one are farther off themselves than what is to be put right.
+constexpr size_t enoughTriangles = 50'000;
+
 bool isMended(const CaptureFix& told) {
     return !told.mend.empty() ||
            std::any_of(told.proxies.begin(), told.proxies.end(), [](const ProxyLight& p) { return p.observed(); });
@@ -303,7 +306,8 @@ Corrections correctCapture(const PipelineOptions& options, Capture& capture, Pre
                            Progress& progress) {
     warnOfOtherEnvironments(capture, *prepared.samples);
     const CaptureFix& told = options.load.fix;
-    const bool large = prepared.working && told.registration.empty() && !isMended(told);
+    const bool large = prepared.working && prepared.working->mesh.triangles.size() >= enoughTriangles &&
+                       told.registration.empty() && !isMended(told);
     Corrections done = large ? correctLargeMesh(options, capture, prepared, meter, progress)
                              : correctMesh(options, capture, prepared, meter, progress);
     if (prepared.working) {

@@ -24,7 +24,7 @@ constexpr double creaseRepeated = 4;           ///< points that tell as much as 
 constexpr double creasesLeft = 0.85;           ///< of what creases are off by, that may be left
 constexpr int creaseRounds = 3, slideRings = 3;
 constexpr float slideFollows = 0.6f;  ///< of the ring before
-constexpr float sidesApart = 0.82f;   ///< cosine between the normals of two sides
+constexpr float sidesApart = 0.82f;   ///< cosine between the normals of two sides; sides back to back have no crease
 constexpr float facesEye = 0.15f;     ///< cosine: a side that a photograph shows
 constexpr float creaseNoise = 0.03f;  ///< of a profile's value, relative to its mean
 
@@ -73,10 +73,6 @@ public:
             progress_.advance();
         }
     }
-    void reset() {
-        std::fill(moved_.begin(), moved_.end(), 0);
-        place();
-    }
     const std::vector<Vec3>& positions() const { return mesh_.positions; }
 
 private:
@@ -92,7 +88,8 @@ private:
         for (const CreaseVertex& c : creases)
             for (uint32_t e = scene_.graph.start[c.vertex]; e < scene_.graph.start[c.vertex + 1]; ++e) {
                 const uint32_t w = scene_.graph.to[e];
-                if (!atCrease[c.vertex] || !atCrease[w] || glm::dot(normal(c.vertex), normal(w)) > sidesApart) continue;
+                const float cosine = glm::dot(normal(c.vertex), normal(w));
+                if (!atCrease[c.vertex] || !atCrease[w] || cosine > sidesApart || cosine < -sidesApart) continue;
                 beyond_[c.vertex].push_back(w);
                 if (c.vertex < w) edges_.push_back({c.vertex, w});
             }
@@ -101,7 +98,7 @@ private:
     /// How the crease between sides of these normals goes when the first moves by a metre along its own.
     static Vec3 creaseBy(const Vec3& own, const Vec3& other) {
         const float cosine = glm::dot(own, other);
-        return (own - cosine * other) / (1 - cosine * cosine);
+        return (own - cosine * other) / std::max(1 - sidesApart * sidesApart, 1 - cosine * cosine);
     }
 
     /// Mesh and creases as things stand.
@@ -119,6 +116,7 @@ private:
                 other += normal(w);
                 moved += moved_[w] / double(beyond_[v].size());
             }
+            if (!(glm::length(other) > 0.1f)) continue;
             other = glm::normalize(other);
             const Vec3 to = creaseBy(normal(v), other) * float(moved_[v]) + creaseBy(other, normal(v)) * float(moved);
             slide[v] = to - normal(v) * float(moved_[v]);
