@@ -87,7 +87,7 @@ TEST(CarryCorrections, WhatGoesEndsWhereTheWorkingMeshEnds) {
     EXPECT_EQ(before, all) << "far from the rim nothing goes";
 }
 
-TEST(CarryCorrections, MovedVerticesTakeTheirSurroundingsAlongAndAddedOnesFollow) {
+TEST(CarryCorrections, MovedVerticesTakeThoseAroundThemAlongAndAddedOnesFollow) {
     const LargeSheet sheet;
     Corrections found;
     std::vector<Vec3> places = sheet.working.mesh.positions;
