@@ -33,7 +33,7 @@ public:
           prepared_(prepared),
           meter_(meter),
           progress_(progress),
-          file_(capture.mesh),
+          file_(withoutProxies(capture.mesh, capture.proxies.size())),
           proxies_(capture.proxies) {}
 
     void partSheets() {
@@ -403,8 +403,8 @@ private:
         capture_.mesh = file_;
         capture_.proxies = proxies_;
         applyMend(mend_, capture_.mesh);
-        addProxies(balls, capture_.mesh);
         capture_.proxies.insert(capture_.proxies.end(), balls.begin(), balls.end());
+        addProxies(capture_.proxies, capture_.mesh);
         prepared_ = prepare(capture_, options_, meter_, progress_);
         letSidesShine(*prepared_.scene, mend_.shining, prepared_.clusters);
     }
@@ -436,6 +436,13 @@ private:
 };
 
 }  // namespace
+
+Mesh withoutProxies(Mesh mesh, size_t proxies) {
+    mesh.positions.resize(mesh.positions.size() - proxies * proxyVertices);
+    mesh.normals.resize(mesh.positions.size());
+    mesh.triangles.resize(mesh.triangles.size() - proxies * proxyTriangles);
+    return mesh;
+}
 
 std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const std::vector<EmitterCluster>*> lists) {
     std::vector<uint8_t> marked(scene.mesh.vertexCount(), 0);

@@ -287,6 +287,9 @@ Corrections correctLargeMesh(const PipelineOptions& options, Capture& capture, P
         prepared.working = std::move(working);
         return found;
     }
+    whole = withoutProxies(std::move(whole), proxies);
+    working.mesh = withoutProxies(std::move(working.mesh), proxies);
+    working.places.resize(whole.vertexCount());
     std::vector<Vec3> corrected = std::move(capture.mesh.positions);
     corrected.resize(working.mesh.vertexCount());
     const Corrections done = carriedBack(found, working, corrected, whole);
@@ -295,7 +298,7 @@ Corrections correctLargeMesh(const PipelineOptions& options, Capture& capture, P
     capture.mesh = std::move(whole);
     applyRegistration(shape, capture.mesh);
     applyMend(done.mend, capture.mesh);
-    addProxies({capture.proxies.begin() + std::ptrdiff_t(proxies), capture.proxies.end()}, capture.mesh);
+    addProxies(capture.proxies, capture.mesh);
     prepared = prepare(capture, options, meter, progress);
     return done;
 }

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "pipeline/mend_mesh.h"
 #include "pipeline/working_mesh.h"
 #include "support/shapes.h"
 
@@ -120,6 +121,17 @@ TEST(CarryCorrections, MovedVerticesTakeThoseAroundThemAlongAndAddedOnesFollow) 
         EXPECT_TRUE(was.x < -0.35f || mesh.positions[v] == was);
         EXPECT_EQ(shining.count(v), size_t(mesh.normals[v].y > 0.5f));
     }
+}
+
+TEST(WithoutProxies, IsTheMeshThatTheyWereAddedTo) {
+    const Mesh mesh = LargeSheet().capture.mesh;
+    Mesh with = mesh;
+    addProxies({{{0, 0, 1}, 0.1f, Vec3(0), false}, {{1, 0, 1}, 0.2f, Vec3(0), false}}, with);
+    ASSERT_GT(with.vertexCount(), mesh.vertexCount());
+    const Mesh again = withoutProxies(with, 2);
+    EXPECT_EQ(again.positions, mesh.positions);
+    EXPECT_EQ(again.normals, mesh.normals);
+    EXPECT_EQ(again.triangles, mesh.triangles);
 }
 
 TEST(CarryCorrections, MarksOfTheLargeMeshAreThoseOfItsVerticesInTheWorkingMesh) {
