@@ -278,7 +278,8 @@ Corrections correctLargeMesh(const PipelineOptions& options, Capture& capture, P
     const size_t proxies = capture.proxies.size();
     PipelineOptions small = options;
     small.meshTriangles = 0;
-    small.load.fix.smoothNormals = 0;  // a decimated mesh's are means already
+    // A decimated mesh's are means already.
+    small.load.fix.smoothNormals = std::max(0, options.load.fix.smoothNormals);
     const Corrections found = correctMesh(small, capture, prepared, meter, progress);
     RegistrationFix shape = found.registration;
     shape.poses.clear();  // cameras have theirs

@@ -77,8 +77,9 @@ struct Corrections {
 /// Are poses, exposures and normals good enough? Where cameras and mesh that are moved a little let the photographs
 /// agree clearly better, they are moved. Where the photographs agree clearly better without what exposures, white
 /// balance and lens differ by, that is taken out of `capture`; where smoother normals explain them clearly better, its
-/// normals are smoothed; `prepared` follows. What options.load.fix says already is kept as it is. Of a large mesh all is
-/// found on its working mesh, if that has 50000 triangles, and carried back; else its shape stays. Throws Cancelled.
+/// normals are smoothed; `prepared` follows. What options.load.fix says already is kept as it is. Of a large mesh all
+/// is found on its working mesh, if that has 50000 triangles, and carried back; else its shape stays. Throws
+/// Cancelled.
 Corrections correctCapture(const PipelineOptions& options, Capture& capture, Prepared& prepared, StageMeter& meter,
                            Progress& progress);
 
