@@ -18,6 +18,7 @@
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
 #include "solve/registration/contour_fit.h"
+#include "solve/registration/rim_circle.h"
 #include "solve/registration/round_rim.h"
 #include "transport/unlit_skirts.h"
 
@@ -256,7 +257,8 @@ public:
             const std::optional<double> height =
                 rimHeight(capture_, *prepared_.scene, shade->surface, low ? shade->low : shade->high, darkness());
             std::optional<SurfacePatch> sheet;
-            if (height) sheet = wholeShade(*prepared_.scene, file_.vertexCount(), *shade, *height, low);
+            if (height)
+                sheet = wholeShade(*prepared_.scene, file_.vertexCount(), *shade, rimOf(*shade, *height, low), low);
             if (!sheet) continue;
             without.insert(without.end(), sheet->replaced.begin(), sheet->replaced.end());
             // What completed it before goes with the rest.
@@ -270,6 +272,14 @@ public:
         std::sort(without.begin(), without.end());
         without.erase(std::unique(without.begin(), without.end()), without.end());
         return whole;
+    }
+
+    /// The rim at a height, as photographs show it or as the mesh has it.
+    RimCircle rimOf(const RoundSheet& shade, double height, bool low) const {
+        const double radius = shade.surface.radiusAt(height);
+        const RimCircle start{shade.surface, height, radius, radius};
+        if (const auto fitted = fitRimCircle(capture_, *prepared_.scene, start, low, darkness())) return *fitted;
+        return {shade.surface, height, 0, 0};
     }
 
     /// The light stands in the opening.

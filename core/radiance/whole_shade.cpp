@@ -8,10 +8,11 @@
 namespace relamp {
 namespace {
 
-constexpr float sheetTolerance = 0.0015f;  ///< of the diagonal: a surface from points of photographs
-constexpr double sheetOfRadius = 0.08;     ///< the same, of the surface's radius at most
-constexpr float alongSheet = 0.7f;         ///< cosine between normals of mesh and surface
-constexpr float sheetThickness = 0.001f;   ///< of the diagonal
+constexpr float sheetTolerance = 0.0015f;                 ///< of the diagonal: a surface from points of photographs
+constexpr double sheetOfRadius = 0.08;                    ///< the same, of the surface's radius at most
+constexpr float alongSheet = 0.7f;                        ///< cosine between normals of mesh and surface
+constexpr float sheetThickness = 0.001f;                  ///< of the diagonal, where nothing tells
+constexpr double thinnestSheet = 0.3, thickestSheet = 3;  ///< of the usual thickness
 constexpr int profileRows = 16, ringColumns = 24;
 constexpr double wholeRing = 0.85;  ///< of its columns
 constexpr double leastWhole = 0.4;  ///< of the sheet's height
@@ -23,9 +24,9 @@ constexpr double underMesh = 2;     ///< tolerances by which the sheet reaches u
 /// The sheet's profile: heights counted from the rim.
 class Profile {
 public:
-    Profile(const Scene& scene, size_t own, const RoundSheet& sheet, double rim, bool low)
-        : scene_(scene), surface_(sheet.surface), rim_(rim), up_(low ? 1 : -1) {
-        length_ = up_ * ((low ? sheet.high : sheet.low) - rim);
+    Profile(const Scene& scene, size_t own, const RoundSheet& sheet, const RimCircle& rim, bool low)
+        : scene_(scene), surface_(rim.surface), rim_(rim.height), up_(low ? 1 : -1) {
+        length_ = up_ * ((low ? sheet.high : sheet.low) - rim.height);
         near_ = std::min(double(sheetTolerance * scene.diagonal),
                          sheetOfRadius * surface_.radiusAt((sheet.low + sheet.high) / 2));
         std::vector<std::vector<double>> off(profileRows);
@@ -48,6 +49,7 @@ public:
             off_[row] = medianOf(std::move(off[row]));
         }
         spacing_ = medianOf(std::move(spacing));
+        bringToRim(rim, double(sheetThickness * scene.diagonal));
     }
 
     /// Height to which rings are whole, from the middle on; 0: none is.
@@ -74,32 +76,55 @@ public:
         }
         return sum / std::max(1, rows);
     }
-    DVec3 at(double height, double angle, double out) const {
-        return surface_.at(rim_ + up_ * height, angle) + (offAt(height) + out) * surface_.normal(angle);
+    /// A place of the outer side or of the inner one. What the rim is off by fades towards `end`.
+    DVec3 at(double height, double angle, bool inner, double end) const {
+        const DVec3 normal = surface_.normal(angle);
+        const auto side = [&](double h) {
+            return surface_.at(rim_ + up_ * h, angle) + (offAt(h) - (inner ? thickness_ : 0.0)) * normal;
+        };
+        const DVec3 middle = surface_.centre + rim_ * surface_.axis;
+        const DVec3 out = glm::normalize(surface_.at(rim_, angle) - middle);
+        const DVec3 rim = middle + (inner ? inner_ : outer_) * out;
+        return side(height) + std::max(0.0, 1 - height / end) * (rim - side(0));
     }
 
 private:
+    /// Radii of the rim's two edges and the sheet's thickness, as far as photographs tell them.
+    void bringToRim(const RimCircle& rim, double usual) {
+        const double lean =
+            std::sqrt(1 + surface_.slope * surface_.slope);  // along the radius, of a metre along the normal
+        outer_ = rim.outer > 0 ? rim.outer : radiusAt(0) + offAt(0) * lean;
+        thickness_ = usual;
+        if (rim.inner > 0) {
+            thickness_ = std::clamp((outer_ - rim.inner) / lean, usual * thinnestSheet, usual * thickestSheet);
+            outer_ = rim.inner + thickness_ * lean;
+        }
+        inner_ = outer_ - thickness_ * lean;
+    }
+
     const Scene& scene_;
     const RevolutionSurface& surface_;
     double rim_, up_, length_ = 0, near_ = 0, spacing_ = 0;
+    double outer_ = 0, inner_ = 0, thickness_ = 0;  ///< radii of the rim's edges; along the normal
     std::array<double, profileRows> covered_{}, off_{};
 };
 
 }  // namespace
 
-std::optional<SurfacePatch> wholeShade(const Scene& scene, size_t own, const RoundSheet& sheet, double rim, bool low) {
+std::optional<SurfacePatch> wholeShade(const Scene& scene, size_t own, const RoundSheet& sheet, const RimCircle& rim,
+                                       bool low) {
     const Profile profile(scene, own, sheet, rim, low);
     const double top = profile.top(), near = profile.tolerance();
     if (!(profile.length() > 0) || top < leastWhole * profile.length() || !(profile.spacing() > 0)) return {};
     SurfacePatch patch;
-    const double end = top + underMesh * near, thickness = double(sheetThickness * scene.diagonal);
+    const double end = top + underMesh * near;
     const int rows = std::max(2, int(std::ceil(end / profile.spacing()))),
               columns = std::max(12, int(std::ceil(2 * piD * std::max(profile.radiusAt(0), profile.radiusAt(end)) /
                                                    profile.spacing())));
-    for (const double side : {0.0, -thickness})
+    for (const bool inner : {false, true})
         for (int row = 0; row <= rows; ++row)
             for (int column = 0; column < columns; ++column)
-                patch.positions.push_back(Vec3(profile.at(end * row / rows, 2 * piD * column / columns, side)));
+                patch.positions.push_back(Vec3(profile.at(end * row / rows, 2 * piD * column / columns, inner, end)));
     const auto layer = uint32_t((rows + 1) * columns);
     const auto number = [&](int row, int column) { return uint32_t(row * columns + column % columns); };
     // Heights grow along the axis or against it, and with them the turn of the outer side's triangles.
@@ -126,7 +151,7 @@ std::optional<SurfacePatch> wholeShade(const Scene& scene, size_t own, const Rou
         const Triangle& corners = scene.mesh.triangles[t];
         if (std::all_of(corners.begin(), corners.end(), [&](uint32_t v) {
                 const DVec3 p(scene.mesh.positions[v]);
-                const double height = profile.heightOf(p), distance = sheet.surface.distance(p);
+                const double height = profile.heightOf(p), distance = rim.surface.distance(p);
                 return height > -overRim * near && height < top && distance > -inside * near &&
                        distance < outside * near;
             }))

@@ -27,6 +27,14 @@ struct RevolutionSurface {
     std::optional<std::pair<double, double>> meets(const DVec3& eye, const DVec3& direction) const;
 };
 
+/// The open end of a surface of revolution, which stands as its rim does.
+struct RimCircle {
+    RevolutionSurface surface;
+    double height = 0;  ///< of the rim, metres along the surface's axis
+    double inner = 0;   ///< metres: radius of its inner edge, to which the inside is seen; 0: not known
+    double outer = 0;   ///< metres: radius of its outer edge; 0: not known
+};
+
 /// The surface through points with normals, by least squares: the axis is the direction in which the normals differ
 /// least, its place where lines along the normals meet it. None where normals do not tell an axis (planes, balls).
 /// O(points).

@@ -147,7 +147,7 @@ TEST(WholeShade, AnEvenSheetTakesThePlaceOfShreds) {
                  }));
     const Scene scene = test::sceneOf(mesh);
     const RevolutionSurface truth = shadeOf();
-    const auto sheet = wholeShade(scene, own, {truth, low, high, {}}, low, true);
+    const auto sheet = wholeShade(scene, own, {truth, low, high, {}}, {truth, low, 0, 0}, true);
     ASSERT_TRUE(sheet);
     double lowest = 1, highest = -1;
     for (const Vec3& p : sheet->positions) {
@@ -174,7 +174,27 @@ TEST(WholeShade, AnEvenSheetTakesThePlaceOfShreds) {
     EXPECT_GT(sheet->replaced.size(), 0.8 * double(mesh.triangles.size()));
     // Of half a ring there is no whole sheet.
     const Scene half = test::sceneOf(sideOf(0, [](double, double turn) { return turn < 0.5; }));
-    EXPECT_FALSE(wholeShade(half, half.mesh.vertexCount(), {truth, low, high, {}}, low, true));
+    EXPECT_FALSE(wholeShade(half, half.mesh.vertexCount(), {truth, low, high, {}}, {truth, low, 0, 0}, true));
+}
+
+TEST(WholeShade, EndsAtTheEdgesOfItsRim) {
+    const Mesh mesh = sideOf(0, all);
+    const RevolutionSurface truth = shadeOf();
+    const double inner = truth.radiusAt(low) - 0.005, outer = inner + 0.007;
+    const auto sheet =
+        wholeShade(test::sceneOf(mesh), mesh.vertexCount(), {truth, low, high, {}}, {truth, low, inner, outer}, true);
+    ASSERT_TRUE(sheet);
+    size_t ofInner = 0, ofOuter = 0;
+    for (const Vec3& p : sheet->positions) {
+        const double height = truth.height(DVec3(p));
+        if (std::abs(height - low) > 1e-5) continue;
+        const double r = glm::length(DVec3(p) - truth.centre - height * truth.axis);
+        ofInner += std::abs(r - inner) < 1e-5;
+        ofOuter += std::abs(r - outer) < 1e-5;
+        EXPECT_TRUE(std::abs(r - inner) < 1e-5 || std::abs(r - outer) < 1e-5) << r;
+    }
+    EXPECT_EQ(ofInner, ofOuter);
+    EXPECT_GT(ofInner, 11u);
 }
 
 TEST(BackSides, AShadeOfOneSideGetsAnInnerOne) {

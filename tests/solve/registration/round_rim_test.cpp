@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
+#include "solve/registration/rim_circle.h"
 #include "support/estimates.h"
 
 namespace relamp {
@@ -45,7 +46,7 @@ Capture photographed() {
         const double turn = 2 * double(pi) * i / 6;
         View view;
         view.camera =
-            test::cameraAt({2 * std::cos(turn), 2 * std::sin(turn), 0.5 - 0.4 * (i % 3)}, {0, 0, 0.2}, 160, 120, 200);
+            test::cameraAt({2 * std::cos(turn), 2 * std::sin(turn), 0.5 - 0.6 * (i % 3)}, {0, 0, 0.2}, 160, 120, 200);
         view.image = Image(160, 120);
         for (int y = 0; y < 120; ++y)
             for (int x = 0; x < 160; ++x)
@@ -69,6 +70,30 @@ TEST(RoundRim, LiesWherePhotographsShowIt) {
         ASSERT_TRUE(height) << guess;
         EXPECT_NEAR(*height, 0, 0.0015);  // a seventh of a pixel
     }
+}
+
+TEST(RimCircle, ComesToItsTrueTiltAndRadius) {
+    const Capture capture = photographed();
+    const Scene scene = test::sceneOf(shade(0.012f));
+    RimCircle start{cone(), 0, 0.49, 0.51};
+    start.surface.axis = glm::normalize(DVec3(0.02, -0.01, 1));
+    start.surface.across = glm::normalize(DVec3(1, 0, -0.02));
+    start.surface.centre = DVec3(0.005, -0.003, 0.004);
+    const auto circle = fitRimCircle(capture, scene, start, true, 1e-3f);
+    ASSERT_TRUE(circle);
+    constexpr double seventhOfPixel = 0.0015;  // metres
+    const RevolutionSurface& found = circle->surface;
+    const DVec3 middle = found.centre + circle->height * found.axis;
+    EXPECT_LT(glm::length(middle), seventhOfPixel);
+    EXPECT_GT(found.axis.z, std::cos(0.002));
+    EXPECT_NEAR(circle->inner, 0.5, seventhOfPixel);
+    EXPECT_NEAR(circle->outer, 0.5, seventhOfPixel);
+}
+
+TEST(RimCircle, IsNoneWherePhotographsShowNoEdge) {
+    Capture capture = photographed();
+    for (View& view : capture.views) std::fill(view.image.pixels.begin(), view.image.pixels.end(), Rgb(0.5f));
+    EXPECT_FALSE(fitRimCircle(capture, test::sceneOf(shade(0.012f)), {cone(), 0, 0.5, 0.5}, true, 1e-3f));
 }
 
 TEST(RoundRim, IsNoneWherePhotographsShowNoEdge) {
