@@ -115,6 +115,14 @@ void endAtRims(const Carrier& carrier, const DecimatedMesh& working, const MeshM
         }
 }
 
+/// A normal of the large mesh, as that of the working mesh beside it turns. One that turns far is a crease's side.
+Vec3 carriedNormal(const Vec3& own, const Vec3& beside, const Vec3& turned) {
+    constexpr float little = 0.94f;  // cosine
+    const Vec3 n = glm::normalize(turned);
+    if (glm::dot(beside, n) < little || glm::dot(own, n) < little) return turned;
+    return glm::normalize(own + n - beside);
+}
+
 }  // namespace
 
 Corrections carriedBack(const Corrections& found, const DecimatedMesh& working, const std::vector<Vec3>& corrected,
@@ -163,7 +171,7 @@ Corrections carriedBack(const Corrections& found, const DecimatedMesh& working, 
     mend.turned.clear();
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v)
         if (const uint32_t c = carrier.nearest(v); c != SurfacePlace::none && turned[c] != Vec3(0))
-            mend.turned.push_back({v, turned[c]});
+            mend.turned.push_back({v, carriedNormal(large.normals[v], small.normals[c], turned[c])});
     return result;
 }
 

@@ -10,6 +10,7 @@
 #include "pipeline/carry_corrections.h"
 #include "pipeline/find_materials.h"
 #include "pipeline/flatten_surfaces.h"
+#include "pipeline/lean_normals.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/normals_choice.h"
 #include "pipeline/reproduction.h"
@@ -71,16 +72,6 @@ void refuseWithoutPixels(const Capture& capture) {
     throw Error("every pixel of every photograph is left out: {}", reasons);
 }
 
-/// What a reconstruction is off by: half the median length of its edges.
-float halfAnEdge(const Scene& scene) {
-    std::vector<float> lengths;
-    for (uint32_t v = 0; v < scene.graph.start.size() - 1; ++v)
-        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
-            if (scene.graph.to[e] > v)
-                lengths.push_back(glm::distance(scene.mesh.positions[v], scene.mesh.positions[scene.graph.to[e]]));
-    return lengths.empty() ? 0.0f : medianOf(lengths) / 2;
-}
-
 /// What the brightest lighting state says alone, of emitters as they are in it.
 struct StatePart {
     std::shared_ptr<const RadianceSamples> samples;
@@ -117,16 +108,6 @@ void flatten(const PipelineOptions& options, Capture& capture, Prepared& prepare
     if (shape.empty()) shape = wavy;
     for (size_t v = 0; v < shape.size(); ++v) shape[v] += capture.mesh.positions[v] - wavy[v];
     prepared = prepare(capture, options, meter, progress);
-}
-
-/// The plan knows one state. Its steps have as many more rows as there are more observations; visibility has not.
-void countAllStates(const RadianceSamples& all, const RadianceSamples& part, SolvePlan& plan) {
-    const double more = double(all.samples.size()) / double(std::max<size_t>(1, part.samples.size()));
-    for (PlannedStage& stage : plan.stages) {
-        if (stage.stage == Stage::visibility) continue;
-        if (stage.predictedSeconds > 0) stage.predictedSeconds *= more;
-        if (stage.predictedMib > 0) stage.predictedMib *= more;
-    }
 }
 
 /// mendMesh by the photographs of the state in which emitters are brightest.
@@ -178,6 +159,23 @@ namespace {
 
 /// Of a working mesh: those of a coarser one are farther off themselves than what is to be put right.
 constexpr size_t enoughTriangles = 50'000;
+
+/// Relief that the mesh has lost, in its normals.
+void lean(const PipelineOptions& options, Capture& capture, Prepared& prepared, Corrections& done, StageMeter& meter,
+          Progress& progress) {
+    meter.begin(Stage::normals);
+    const Scene& scene = *prepared.scene;
+    const size_t added = done.mend.addedPositions.size() + capture.proxies.size() * proxyVertices;
+    const std::vector<uint8_t> known =
+        knownNormals(scene, scene.mesh.vertexCount() - added, done.registration, done.mend);
+    const StatePart part = brightestPart(prepared);
+    const LeantNormals found = leanNormals(scene, *part.samples, part.clusters, known, options.solve, progress);
+    if (found.turned.empty()) return;
+    capture.notes.push_back(found.words);
+    for (const MeshMend::TurnedVertex& t : found.turned) capture.mesh.normals[t.vertex] = glm::normalize(t.normal);
+    done.mend.turned.insert(done.mend.turned.end(), found.turned.begin(), found.turned.end());
+    prepared = prepare(capture, options, meter, progress);
+}
 
 bool isMended(const CaptureFix& told) {
     return !told.mend.empty() ||
@@ -266,6 +264,9 @@ Corrections correctMesh(const PipelineOptions& options, Capture& capture, Prepar
             prepared.scene = std::make_shared<const Scene>(buildScene(capture.mesh, progress, ownAxes(capture)));
         }
     }
+    const bool inexact = !done.registration.empty() || done.mend.reshapes();
+    if (options.mend && !mended && inexact && done.smoothedNormals == 0 && !prepared.working)
+        lean(options, capture, prepared, done, meter, progress);
     return done;
 }
 

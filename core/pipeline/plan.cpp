@@ -246,6 +246,15 @@ SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSa
     return plan;
 }
 
+void countAllStates(const RadianceSamples& all, const RadianceSamples& part, SolvePlan& plan) {
+    const double more = double(all.samples.size()) / double(std::max<size_t>(1, part.samples.size()));
+    for (PlannedStage& stage : plan.stages) {
+        if (stage.stage == Stage::visibility) continue;
+        if (stage.predictedSeconds > 0) stage.predictedSeconds *= more;
+        if (stage.predictedMib > 0) stage.predictedMib *= more;
+    }
+}
+
 nlohmann::json planJson(const SolvePlan& plan) {
     const auto known = [](double value) { return value >= 0 ? nlohmann::json(value) : nlohmann::json(); };
     nlohmann::json stages = nlohmann::json::array(), leftOut = nlohmann::json::array();

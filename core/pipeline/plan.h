@@ -19,6 +19,10 @@ namespace relamp {
 SolvePlan planSolve(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
                     const EmitterClusters& clusters, const SolveOptions& options, bool everything, Progress& progress);
 
+/// The plan knows one lighting state, `part` of `all`. Its steps have as many more rows as there are more observations;
+/// visibility has not.
+void countAllStates(const RadianceSamples& all, const RadianceSamples& part, SolvePlan& plan);
+
 /// `{stages: [{name, predicted_s, measured_s, predicted_mib, measured_mib}], left_out: [{what, reason, saved_s,
 /// saved_mib}], predicted_s, saved_s, planning_s}`; what is not known is null.
 nlohmann::json planJson(const SolvePlan& plan);

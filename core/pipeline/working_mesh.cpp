@@ -1,6 +1,7 @@
 #include "pipeline/working_mesh.h"
 
 #include "base/log.h"
+#include "base/statistics.h"
 
 namespace relamp {
 
@@ -121,6 +122,15 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
         }
     }
     return result;
+}
+
+float halfAnEdge(const Scene& scene) {
+    std::vector<float> lengths;
+    for (uint32_t v = 0; v < scene.graph.start.size() - 1; ++v)
+        for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e)
+            if (scene.graph.to[e] > v)
+                lengths.push_back(glm::distance(scene.mesh.positions[v], scene.mesh.positions[scene.graph.to[e]]));
+    return lengths.empty() ? 0.0f : medianOf(std::move(lengths)) / 2;
 }
 
 }  // namespace relamp

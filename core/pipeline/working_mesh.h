@@ -21,4 +21,7 @@ std::optional<DecimatedMesh> workingMesh(const Capture& capture, std::optional<s
 /// is as it was found.
 Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const Mesh& mesh);
 
+/// What a reconstruction is off by, metres: half the median length of its edges.
+float halfAnEdge(const Scene& scene);
+
 }  // namespace relamp

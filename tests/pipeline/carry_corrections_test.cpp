@@ -123,6 +123,21 @@ TEST(CarryCorrections, MovedVerticesTakeThoseAroundThemAlongAndAddedOnesFollow) 
     }
 }
 
+TEST(CarryCorrections, NormalsThatLeanKeepTheDetailOfTheLargeMesh) {
+    LargeSheet sheet;
+    for (size_t v = 0; v < sheet.capture.mesh.vertexCount(); ++v)
+        sheet.capture.mesh.normals[v] = glm::normalize(Vec3(0.02f * std::sin(float(v)), 0, 1));
+    for (Vec3& n : sheet.working.mesh.normals) n = Vec3(0, 0, 1);
+    Corrections found;
+    const Vec3 lean = glm::normalize(Vec3(0, 0.1f, 1));
+    for (uint32_t v = 0; v < sheet.working.mesh.vertexCount(); ++v) found.mend.turned.push_back({v, lean});
+    const Mesh mesh = sheet.corrected(found, sheet.working.mesh.positions);
+    for (size_t v = 0; v < mesh.vertexCount(); ++v) {
+        EXPECT_NEAR(mesh.normals[v].x, 0.02f * std::sin(float(v)), 0.001f);
+        EXPECT_NEAR(mesh.normals[v].y, lean.y, 0.001f);
+    }
+}
+
 TEST(WithoutProxies, IsTheMeshThatTheyWereAddedTo) {
     const Mesh mesh = LargeSheet().capture.mesh;
     Mesh with = mesh;

@@ -180,9 +180,9 @@ TEST(WholeShade, AnEvenSheetTakesThePlaceOfShreds) {
 TEST(WholeShade, EndsAtTheEdgesOfItsRim) {
     const Mesh mesh = sideOf(0, all);
     const RevolutionSurface truth = shadeOf();
-    const double inner = truth.radiusAt(low) - 0.005, outer = inner + 0.007;
-    const auto sheet =
-        wholeShade(test::sceneOf(mesh), mesh.vertexCount(), {truth, low, high, {}}, {truth, low, inner, outer}, true);
+    const Scene scene = test::sceneOf(mesh);
+    const double inner = truth.radiusAt(low) - 0.005, outer = inner + 0.002 * double(scene.diagonal);
+    const auto sheet = wholeShade(scene, mesh.vertexCount(), {truth, low, high, {}}, {truth, low, inner, outer}, true);
     ASSERT_TRUE(sheet);
     size_t ofInner = 0, ofOuter = 0;
     for (const Vec3& p : sheet->positions) {

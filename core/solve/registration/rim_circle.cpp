@@ -46,8 +46,8 @@ public:
     std::optional<RimCircle> run() {
         const double diagonal = double(scene_.diagonal);
         Vector off = Vector::Zero(), trust;
-        trust << Vector::Constant(3, shiftPrior * diagonal).head<3>(), Vector::Constant(2, tiltPrior).head<2>(),
-            Vector::Constant(2, radiusPrior * diagonal).head<2>();
+        const double shift = shiftPrior * diagonal, radius = radiusPrior * diagonal;
+        trust << shift, shift, shift, tiltPrior, tiltPrior, radius, radius;
         const Vector prior = trust.cwiseAbs2().cwiseInverse();
         double before = -1;
         for (int round = 0; round < circleRounds; ++round) {
@@ -69,6 +69,7 @@ public:
             for (const RimStep& s : steps) largest = std::max(largest, std::abs(s.change.dot(move)));
             off += move;
             apply(move);
+            if (!(circle_.inner > 0 && circle_.outer > 0)) return {};
             if (largest < circleSettled) break;
         }
         const std::vector<RimStep> steps = allSteps();
@@ -79,7 +80,7 @@ public:
             "along, tilted {:.2f} degrees, radii {:.2f} and {:.2f} mm more",
             steps.size(), after, before, 1000 * std::hypot(off[0], off[1]), 1000 * off[2],
             std::hypot(off[3], off[4]) * 180 / piD, 1000 * off[5], 1000 * off[6]);
-        if (!(after < before && after < circleAgreement) || !(circle_.inner > 0)) return {};
+        if (!(after < before && after < circleAgreement)) return {};
         const auto ofInner = size_t(std::count_if(steps.begin(), steps.end(), [](const auto& s) { return s.inner; }));
         if (ofInner < leastOfEdge) circle_.inner = 0;
         if (steps.size() - ofInner < leastOfEdge) circle_.outer = 0;
@@ -123,6 +124,7 @@ private:
         const Hit hit = scene_.cameraTracer->closest({Vec3(eye), Vec3((rim - eye) / distance)});
         if (hit && hit.distance < float(distance) - circleHiddenBy * scene_.diagonal) return {};
         const DVec3 ahead = -std::sin(angle) * u + std::cos(angle) * v;
+        // Beside it on the circle, which leaves its tangent by `bow`.
         const double piece = 0.002 * double(scene_.diagonal), bow = piece * piece / (2 * radius);
         const auto at = view.camera.project(rim), next = view.camera.project(rim + piece * ahead - bow * out),
                    last = view.camera.project(rim - piece * ahead - bow * out);
