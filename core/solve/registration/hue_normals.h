@@ -24,7 +24,7 @@ struct HueSample {
 /// logarithms, is h = a + J d: that of the surface, smooth but for borders of materials, and what the lean d makes of
 /// it. Without d, whose deviation is 3 degrees, a is found by reweighted least squares (Gauss-Seidel), and d is the
 /// mean of what is left. Leans are those of relief that a reconstruction has smoothed away, so over 2 % of the diagonal
-/// their mean is none. O(samples x neighbours), 0.3 s for 20000 samples.
+/// their mean is none. O(samples x neighbours).
 std::vector<Vec2> hueLeans(const Scene& scene, const std::vector<HueSample>& samples);
 
 }  // namespace relamp
