@@ -47,12 +47,9 @@ public:
         NearFieldOptions near;
         near.seed = seed_;
         near.only = &wanted_;
-        const InfluenceMatrix rows =
-            lambertInfluence(leant, visibility_, computeNearField(leant, emitters_, near, progress_), lighting_.leaves,
-                             vertices_, progress_);
-        std::vector<Rgb> light(rows.rows);
-        for (size_t i = 0; i < rows.rows; ++i) light[i] = lightOfRow(rows.row(i), lighting_);
-        return light;
+        const NearField nearField = computeNearField(leant, emitters_, near, progress_);
+        return litBy(lambertInfluence(leant, visibility_, nearField, lighting_.leaves, vertices_, progress_),
+                     lighting_);
     }
 
 private:

@@ -16,12 +16,6 @@ constexpr size_t pairsWanted = 4000;
 constexpr int pilotSide = 16, pilotLevel = 3;
 constexpr uint32_t pilotRays = 256;  // with fewer their noise speaks against bounced light where it is
 
-std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
-    std::vector<Rgb> lit(rows.rows);
-    for (size_t i = 0; i < rows.rows; ++i) lit[i] = lightOfRow(rows.row(i), lighting);
-    return lit;
-}
-
 /// A fraction of the pairs, drawn by where their points lie, and those points.
 struct PilotPairs {
     std::vector<uint8_t> wanted;  ///< per mesh vertex
@@ -139,6 +133,12 @@ void sendFromHidden(const Scene& scene, const EmitterClusters& emitters, const M
 }
 
 }  // namespace
+
+std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
+    std::vector<Rgb> lit(rows.rows);
+    for (size_t i = 0; i < rows.rows; ++i) lit[i] = lightOfRow(rows.row(i), lighting);
+    return lit;
+}
 
 EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters, bool nearField) {
     EmitterClusters emitters;

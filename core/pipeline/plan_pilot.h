@@ -18,6 +18,9 @@ constexpr double likelyBounce = -2;
 /// Emitters and candidates, as the solve will take them: none without near-field light.
 EmitterClusters allEmitters(const Scene& scene, const EmitterClusters& clusters, bool nearField);
 
+/// What each row says of the light.
+std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting);
+
 struct PilotFindings {
     bool ran = false;              ///< false: too few matte points
     size_t pairs = 0, points = 0;  ///< looked at
