@@ -31,5 +31,31 @@ TEST(Peaks, AreThePartsThatTakeALeafsLight) {
     EXPECT_EQ(std::count(window.begin(), window.end(), 1), 0);
 }
 
+TEST(Peaks, ASunOnTheMiddleOfALeafIsDividedOnceMore) {
+    LightLeaves leaves = LightLeaves::uniform(2);
+    leaves.split(5);
+    const uint32_t sun = uint32_t(leaves.size()) - 1;
+    std::vector<Rgb> fractions(leaves.size(), Rgb(0.01f));
+    fractions[sun] = Rgb(0.6f);
+    std::set<LeafCell> peaks;
+    EXPECT_EQ(leavesToDivide(leaves, fractions, false, nullptr), std::vector<uint32_t>{});
+    EXPECT_EQ(leavesToDivide(leaves, fractions, false, &peaks), std::vector<uint32_t>{sun});
+    ASSERT_EQ(peaks.size(), 1u);
+    const int level = leaves[sun].level;
+    leaves.split(sun);
+    const auto finest = [&](int at) {
+        fractions.assign(leaves.size(), Rgb(0.01f));
+        for (uint32_t i = 0; i < leaves.size(); ++i)
+            if (leaves[i].level == at) fractions[i] = Rgb(0.15f);
+    };
+    finest(level + 1);
+    const std::vector<uint32_t> quarters = leavesToDivide(leaves, fractions, false, &peaks);
+    EXPECT_EQ(quarters.size(), 4u);
+    EXPECT_EQ(peaks.size(), 1u) << "none of them is a peak";
+    for (auto q = quarters.rbegin(); q != quarters.rend(); ++q) leaves.split(*q);
+    finest(level + 2);
+    EXPECT_EQ(leavesToDivide(leaves, fractions, false, &peaks), std::vector<uint32_t>{}) << "a window is even";
+}
+
 }  // namespace
 }  // namespace relamp

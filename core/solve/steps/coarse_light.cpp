@@ -34,6 +34,7 @@ void sharpenStrong(SolveRun& s) {
     if (s.light.environmentBlack || s.light.firstLevel(s.in, s.hasMatte()) >= s.in.options.startLevel) return;
     double misfit = std::numeric_limits<double>::infinity();
     const bool byPeaks = s.in.options.meshError > 0;
+    std::set<LeafCell> peaks;  // that were divided
     const int rounds = byPeaks ? StrongDirections::roundsByPeaks : StrongDirections::rounds;
     for (int round = 0; round < rounds && !s.stopped(); ++round) {
         const Irradiance irradiance = s.irradiance();
@@ -43,13 +44,8 @@ void sharpenStrong(SolveRun& s) {
         misfit = s.mismatch(irradiance);
         const bool explains = !(misfit * misfit > 0.98 * before * before);
         const std::vector<Rgb> fractions = contributionsOf(s, irradiance);
-        const std::vector<uint8_t> peaks =
-            byPeaks ? peaksAmongBrothers(s.light.lighting.leaves, fractions) : std::vector<uint8_t>(fractions.size());
-        std::vector<uint32_t> strong;
-        for (uint32_t i = 0; i < fractions.size(); ++i)
-            if (maxChannel(fractions[i]) > StrongDirections::fraction && (explains || peaks[i]) &&
-                s.light.lighting.leaves[i].level < StrongDirections::finest)
-                strong.push_back(i);
+        const std::vector<uint32_t> strong =
+            leavesToDivide(s.light.lighting.leaves, fractions, explains, byPeaks ? &peaks : nullptr);
         if (strong.empty()) return;
         s.splitLeaves(strong);
         fitLight(s, {"light from ratios, coarse", 4, FitEnd::coarse});

@@ -7,9 +7,8 @@
 namespace relamp {
 namespace {
 
-/// The leaf that this one is a quarter of, told by the quarters' level.
-using Parent = std::tuple<int, int, int, int>;
-Parent parentOf(const Leaf& leaf) { return {leaf.environment, leaf.level, leaf.x / 2, leaf.y / 2}; }
+LeafCell cellOf(const Leaf& leaf) { return {leaf.environment, leaf.level, leaf.x, leaf.y}; }
+LeafCell parentOf(const Leaf& leaf) { return {leaf.environment, leaf.level - 1, leaf.x / 2, leaf.y / 2}; }
 
 }  // namespace
 
@@ -67,7 +66,7 @@ std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance
 
 std::vector<uint8_t> peaksAmongBrothers(const LightLeaves& leaves, const std::vector<Rgb>& fractions) {
     constexpr float most = 0.4f;  // a sun on the border of two gives each of them half
-    std::map<Parent, std::pair<float, int>> together;
+    std::map<LeafCell, std::pair<float, int>> together;
     for (uint32_t i = 0; i < leaves.size(); ++i) {
         auto& [light, parts] = together[parentOf(leaves[i])];
         light += maxChannel(fractions[i]);
@@ -81,10 +80,24 @@ std::vector<uint8_t> peaksAmongBrothers(const LightLeaves& leaves, const std::ve
     return peaks;
 }
 
+std::vector<uint32_t> leavesToDivide(const LightLeaves& leaves, const std::vector<Rgb>& fractions, bool explained,
+                                     std::set<LeafCell>* divided) {
+    const std::vector<uint8_t> peaks =
+        divided ? peaksAmongBrothers(leaves, fractions) : std::vector<uint8_t>(leaves.size());
+    std::vector<uint32_t> strong;
+    for (uint32_t i = 0; i < leaves.size(); ++i)
+        if (maxChannel(fractions[i]) > StrongDirections::fraction && leaves[i].level < StrongDirections::finest &&
+            (explained || peaks[i] || (divided && divided->count(parentOf(leaves[i])) > 0)))
+            strong.push_back(i);
+    for (const uint32_t i : strong)
+        if (peaks[i]) divided->insert(cellOf(leaves[i]));
+    return strong;
+}
+
 std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance) {
     const std::vector<Rgb> fraction = contributionsOf(s, irradiance);
     const size_t leaves = s.light.lighting.leaves.size();
-    std::map<Parent, std::vector<uint32_t>> brothers;
+    std::map<LeafCell, std::vector<uint32_t>> brothers;
     for (uint32_t i = 0; i < leaves; ++i) {
         const Leaf& leaf = s.light.lighting.leaves[i];
         if (leaf.level > s.in.options.startLevel) brothers[parentOf(leaf)].push_back(i);

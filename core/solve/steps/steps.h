@@ -1,5 +1,7 @@
 // The steps of a solve and what they are made of: functions from the values of a SolveRun to its values. Not a door.
 #pragma once
+#include <set>
+
 #include "solve/steps/solve_run.h"
 #include "solve/uncertainty.h"
 
@@ -96,6 +98,13 @@ bool refineLeaves(SolveRun& s);
 std::vector<Rgb> contributionsOf(const SolveRun& s, const Irradiance& irradiance);
 /// Per leaf 1 where it gives more than 0.4 of the light of the four that its parent was divided into.
 std::vector<uint8_t> peaksAmongBrothers(const LightLeaves& leaves, const std::vector<Rgb>& fractions);
+/// Environment, level and place of a leaf.
+using LeafCell = std::tuple<int, int, int, int>;
+/// Strong leaves whose light may be narrower than they are: all of them, if the last division `explained` more of the
+/// photographs. Otherwise, and only with `divided` (an inexact mesh), peaks and the quarters of a peak: a sun on the
+/// middle of a leaf gives each of them the same. `divided`: peaks of earlier rounds; those of this one are added.
+std::vector<uint32_t> leavesToDivide(const LightLeaves& leaves, const std::vector<Rgb>& fractions, bool explained,
+                                     std::set<LeafCell>* divided);
 /// Leaves that only metals tell apart: brothers that were split for them, and that give matte surfaces too little light
 /// for their split to matter. Per column of the rows its group; empty: none.
 std::vector<uint32_t> leavesAsMatteTellsThem(const SolveRun& s, const Irradiance& irradiance);
