@@ -159,7 +159,7 @@ std::vector<EmitterReplacement> completedLights(const Scene& scene, const Captur
         const MisfitFall fall = misfitFall(trial.misfitsOfMesh(true), misfits);
         const EmitterBody body = withEnds(partial.body, partial.ends, lengths);
         logInfo("a light as {} in place of the mesh's: {}", wordsOf(body), fall.words());
-        bool better = fall.exceeds(leastChange, leastSure) || (partial.certain && partial.showsMore());
+        bool better = fall.exceeds(leastChange, leastSure) || partial.showsMore();
         if (better && !partial.certain)
             better = misfitFall(trial.misfitsOfMesh(false), misfits).exceeds(leastChange, leastSure);
         if (!better) continue;

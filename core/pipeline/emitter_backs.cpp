@@ -12,11 +12,13 @@
 namespace relamp {
 namespace {
 
-constexpr float mostlyOpen = 0.5f;  ///< of the area
-constexpr double leastFall = 0.01;  ///< of the misfit
-constexpr double leastErrors = 3;   ///< standard errors
-constexpr float leastSkin = 0.05f;  ///< of an emitter's area
-constexpr float skinReach = 1.1f;   ///< of the radius about its box
+constexpr float mostlyOpen = 0.5f;       ///< of the area
+constexpr double leastFall = 0.01;       ///< of the misfit
+constexpr double leastErrors = 3;        ///< standard errors
+constexpr double leastSkinFall = 0.002;  ///< of the misfit: what closes a light shines more often than not
+constexpr double leastSkinErrors = 4;    ///< standard errors
+constexpr float leastSkin = 0.05f;       ///< of an emitter's area
+constexpr float skinReach = 1.1f;        ///< of the radius about its box
 
 /// With `candidate` taken for an emitter.
 EmitterClusters withCandidate(const Scene& scene, const EmitterClusters& clusters, const EmitterCluster& candidate) {
@@ -138,7 +140,7 @@ std::vector<uint32_t> shiningSkins(const Scene& scene, const RadianceSamples& sa
             const MisfitFall fall = misfitFall(misfits(bare), misfits(closed));
             logInfo("a light of {:.0f} cm2, if {:.0f} cm2 that close it shine too: {}", 1e4f * e.area, 1e4 * more,
                     fall.words());
-            if (fall.exceeds(leastFall, leastErrors)) result.insert(result.end(), skin.begin(), skin.end());
+            if (fall.exceeds(leastSkinFall, leastSkinErrors)) result.insert(result.end(), skin.begin(), skin.end());
         }
     std::sort(result.begin(), result.end());
     result.erase(std::unique(result.begin(), result.end()), result.end());

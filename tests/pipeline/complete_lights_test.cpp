@@ -111,6 +111,20 @@ TEST(CompletedLights, TheFloorsLightTellsHowFarAPanelGoesOn) {
         EXPECT_GE(t, CutPanel::floor().triangles.size()) << "the floor stays";
 }
 
+TEST(CompletedLights, ACandidateTakesTheShapeThatPhotographsShow) {
+    CutPanel world(false, -0.3f);
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    world.clusters.candidates = std::move(world.clusters.emitters);
+    world.clusters.emitters.clear();
+    indexEmitters(world.scene, world.clusters);
+    Progress progress;
+    const std::vector<EmitterReplacement> found =
+        completedLights(world.scene, world.capture, world.samples, world.clusters, solveOptionsFor("draft"), progress);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(2 * found[0].body.half.x, 2 * CutPanel::halfLength, 0.02);
+    EXPECT_NEAR(2 * found[0].body.half.y, 2 * CutPanel::halfWidth, 0.02);
+}
+
 TEST(CompletedLights, AnExactMeshIsLeftAsItIs) {
     const CutPanel world(false, -1);
     Progress progress;
