@@ -1,8 +1,12 @@
 #include "radiance/free_space.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/statistics.h"
@@ -32,16 +36,30 @@ constexpr float refutedOfTelling = 0.4f;      ///< fraction of a skirt's vertice
 constexpr float refutedOfAll = 0.03f;         ///< fraction of all its vertices
 constexpr size_t leastBackground = 16;        ///< cells without which nothing is said
 
+constexpr size_t fewViews = 5;  ///< with fewer, none can be left out
+const DirectionGrid backgroundGrid{256};
+
+std::vector<BackgroundCells> shownBy(const Capture& capture, const RadianceSamples& samples) {
+    std::vector<BackgroundCells> shown(capture.views.size());
+    parallelFor(shown.size(), 1,
+                [&](size_t i) { shown[i] = backgroundCells(capture.views[i], samples.geometry[i], backgroundGrid); });
+    return shown;
+}
+
 /// What the background shows around a direction.
 class Background {
 public:
-    Background(const Capture& capture, const RadianceSamples& samples) {
-        std::vector<Rgb> sum(size_t(grid_.cells()), Rgb(0));
+    static constexpr size_t none = ~size_t(0);
+
+    /// `shown` by the views, all but one of them.
+    Background(const std::vector<BackgroundCells>& shown, float floor, size_t without = none) : floor_(floor) {
+        std::vector<Rgb> sum(size_t(backgroundGrid.cells()), Rgb(0));
         std::vector<uint32_t> pixels(sum.size(), 0);
         std::vector<Rgb> lowest(sum.size(), Rgb(1e30f)), highest(sum.size(), Rgb(0));  // of the views' means
         std::vector<uint8_t> views(sum.size(), 0);
-        for (size_t i = 0; i < capture.views.size(); ++i) {
-            const BackgroundCells ofView = backgroundCells(capture.views[i], samples.geometry[i], grid_);
+        for (size_t i = 0; i < shown.size(); ++i) {
+            if (i == without) continue;
+            const BackgroundCells& ofView = shown[i];
             for (size_t cell = 0; cell < sum.size(); ++cell) {
                 sum[cell] += ofView.sum[cell];
                 pixels[cell] += ofView.pixels[cell];
@@ -55,12 +73,12 @@ public:
         low_.assign(sum.size(), Rgb(1e30f));
         high_.assign(sum.size(), Rgb(0));
         around_.assign(sum.size(), 0);
-        for (int y = 0; y < grid_.side; ++y)
-            for (int x = 0; x < grid_.side; ++x)
+        for (int y = 0; y < backgroundGrid.side; ++y)
+            for (int x = 0; x < backgroundGrid.side; ++x)
                 for (int k = 0; k < 9; ++k) {
                     const int nx = x + k % 3 - 1, ny = y + k / 3 - 1;
-                    if (nx < 0 || ny < 0 || nx >= grid_.side || ny >= grid_.side) continue;
-                    const auto from = size_t(ny * grid_.side + nx), to = size_t(y * grid_.side + x);
+                    if (nx < 0 || ny < 0 || nx >= backgroundGrid.side || ny >= backgroundGrid.side) continue;
+                    const auto from = size_t(ny * backgroundGrid.side + nx), to = size_t(y * backgroundGrid.side + x);
                     if (!pixels[from]) continue;
                     const Rgb mean = sum[from] / float(pixels[from]);
                     low_[to] = glm::min(low_[to], mean);
@@ -68,7 +86,6 @@ public:
                     ++around_[to];
                     if (k == 4) ++known_;
                 }
-        floor_ = samples.noiseFloor;
         for (size_t cell = 0; cell < sum.size(); ++cell) {
             if (views[cell] < 2) continue;
             ++shared_;
@@ -86,14 +103,13 @@ public:
     /// How far a radiance is from what the background shows there: mean of the channels' logarithms; negative: nobody
     /// saw the background there.
     float distance(const Vec3& direction, const Rgb& radiance) const {
-        const auto cell = size_t(grid_.cellOf(direction));
+        const auto cell = size_t(backgroundGrid.cellOf(direction));
         return high_[cell].x >= low_[cell].x ? logDistance(radiance, low_[cell], high_[cell], floor_) : -1;
     }
     /// Whether what is known there is all that it may show.
-    bool whole(const Vec3& direction) const { return around_[size_t(grid_.cellOf(direction))] >= wholeRange; }
+    bool whole(const Vec3& direction) const { return around_[size_t(backgroundGrid.cellOf(direction))] >= wholeRange; }
 
 private:
-    DirectionGrid grid_{256};
     std::vector<Rgb> low_, high_;
     std::vector<uint8_t> around_;                   ///< cells of the nine that are known
     size_t known_ = 0, shared_ = 0, agreeing_ = 0;  ///< cells: seen, seen by several views, alike to these
@@ -287,12 +303,35 @@ std::vector<uint8_t> skirtsOf(const Scene& scene, const RadianceSamples& samples
     return skirt;
 }
 
+/// The view without which the others agree on a background; Background::none: all do. Nothing where they do not. One
+/// view may show surfaces beyond the mesh, such as the outside of a wall. Which one: the mesh contradicts the
+/// background that the rest show least, because most of it is right.
+std::optional<size_t> viewToLeaveOut(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                                     const std::vector<BackgroundCells>& shown, const std::vector<uint8_t>& isLight) {
+    const auto tells = [](const Background& b) { return b.known() >= leastBackground && b.distant(); };
+    if (tells(Background(shown, samples.noiseFloor))) return Background::none;
+    std::optional<size_t> best;
+    float most = -std::numeric_limits<float>::infinity();
+    for (size_t i = 0; i < shown.size() && shown.size() >= fewViews; ++i) {
+        const Background background(shown, samples.noiseFloor, i);
+        if (!tells(background)) continue;
+        const std::vector<float> better = evidenceOf(scene, capture, samples, background, isLight);
+        const float all = std::accumulate(better.begin(), better.end(), 0.0f);
+        if (!(all > most)) continue;
+        most = all;
+        best = i;
+    }
+    return best;
+}
+
 }  // namespace
 
 std::vector<uint32_t> freeSpaceTriangles(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                          const std::vector<uint8_t>& isLight, Progress& progress) {
-    const Background background(capture, samples);
-    if (background.known() < leastBackground || !background.distant()) return {};
+    const std::vector<BackgroundCells> shown = shownBy(capture, samples);
+    const std::optional<size_t> without = viewToLeaveOut(scene, capture, samples, shown, isLight);
+    if (!without) return {};
+    const Background background(shown, samples.noiseFloor, *without);
     const std::vector<float> better = evidenceOf(scene, capture, samples, background, isLight);
     const std::vector<uint8_t> skirt = skirtsOf(scene, samples, better, isLight);
     const auto corners = [&](uint32_t t) {
