@@ -21,6 +21,8 @@ constexpr size_t coarsePixels = 3000, finePixels = 30000;
 constexpr double coarseStep = 0.5, finestStep = 0.1;  ///< pixels where the searches end
 constexpr size_t hullPoints = 30000, leastHullPoints = 40;
 constexpr double roundFirst = 0.01;     ///< overlap by which a box must be better than a tube
+constexpr double evenFirst = 0.01;      ///< by which a cone must be
+constexpr double steepest = 0.9;        ///< taper
 constexpr double worseOverlap = 0.005;  ///< by which the body that follows outlines may be worse
 constexpr double hiddenPrice = 0.05;    ///< of a hidden pixel: what nothing shows is not there without need
 constexpr double leastHalf = 0.25;      ///< pixels
@@ -92,7 +94,7 @@ private:
 
 /// Ways to change a body by about `size` metres at its surface: moves, turns, each end.
 struct BodyChange {
-    enum Kind { move, turn, end, radius } kind;
+    enum Kind { move, turn, end, radius, taper } kind;
     int axis;
     double sign;
 
@@ -108,13 +110,14 @@ struct BodyChange {
             body.half[axis] += 0.5 * change;
             body.centre += 0.5 * change * (endSide > 0 ? 1.0 : -1.0) * body.axes[axis];
         }
+        if (kind == taper) body.taper = std::clamp(body.taper + sign * size / body.half.y, -steepest, steepest);
         if (kind == radius) body.half[1] = body.half[2] = std::max(least, body.half[1] + sign * size);
         return body;
     }
     int endSide = 1;
 };
 
-std::vector<BodyChange> changesOf(const EmitterBody& body) {
+std::vector<BodyChange> changesOf(const EmitterBody& body, bool conical) {
     std::vector<BodyChange> changes;
     for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {1.0, -1.0}) {
@@ -124,15 +127,19 @@ std::vector<BodyChange> changesOf(const EmitterBody& body) {
                 for (const int side : {1, -1}) changes.push_back({BodyChange::end, axis, sign, side});
         }
     if (body.round)
-        for (const double sign : {1.0, -1.0}) changes.push_back({BodyChange::radius, 1, sign});
+        for (const double sign : {1.0, -1.0}) {
+            changes.push_back({BodyChange::radius, 1, sign});
+            if (conical) changes.push_back({BodyChange::taper, 1, sign});
+        }
     return changes;
 }
 
 /// Pattern search: changes that raise the score are kept, and go on; where none does, steps are halved. Steps in
 /// metres.
-double climb(const Silhouettes& outlines, double from, double to, double least, EmitterBody& body) {
+double climb(const Silhouettes& outlines, double from, double to, double least, EmitterBody& body,
+             bool conical = false) {
     double best = outlines.score(body);
-    const std::vector<BodyChange> changes = changesOf(body);
+    const std::vector<BodyChange> changes = changesOf(body, conical);
     int rounds = 0;
     for (double step = from; step >= to && rounds < 60; ++rounds) {
         bool better = false;
@@ -219,20 +226,34 @@ glm::dvec2 EmitterBody::chord(const DVec3& eye, const DVec3& direction, double s
         clipSlab(from.z, along.z, size.z, chord);
         return chord;
     }
-    const double a = along.y * along.y + along.z * along.z, b = from.y * along.y + from.z * along.z,
-                 c = from.y * from.y + from.z * from.z - size.y * size.y;
-    if (!(a > 0)) return c > 0 ? glm::dvec2(1, -1) : chord;
+    // Radius at `from`, and what it grows by along the ray.
+    const double radius = size.y * (1 + taper * from.x / size.x), grows = size.y * taper * along.x / size.x;
+    const double a = along.y * along.y + along.z * along.z - grows * grows,
+                 b = from.y * along.y + from.z * along.z - radius * grows,
+                 c = from.y * from.y + from.z * from.z - radius * radius;
     const double inside = b * b - a * c;
-    if (!(inside > 0)) return {1, -1};
-    chord.x = std::max(chord.x, (-b - std::sqrt(inside)) / a);
-    chord.y = std::min(chord.y, (-b + std::sqrt(inside)) / a);
+    if (a == 0) return c > 0 ? glm::dvec2(1, -1) : chord;
+    if (a > 0) {
+        if (!(inside > 0)) return {1, -1};
+        chord.x = std::max(chord.x, (-b - std::sqrt(inside)) / a);
+        chord.y = std::min(chord.y, (-b + std::sqrt(inside)) / a);
+        return chord;
+    }
+    // A ray steeper than the cone leaves it through one of its ends: it lies within on that side of one root, where
+    // the radius is above 0.
+    if (!(inside > 0)) return chord;
+    if (grows > 0) chord.x = std::max(chord.x, (-b - std::sqrt(inside)) / a);
+    else chord.y = std::min(chord.y, (-b + std::sqrt(inside)) / a);
     return chord;
 }
 
 double EmitterBody::distance(const DVec3& point) const {
     const DVec3 at = (point - centre) * axes;
-    const DVec3 past = round ? DVec3(std::abs(at.x) - half.x, std::hypot(at.y, at.z) - half.y, -1e300)
-                             : DVec3(std::abs(at.x) - half.x, std::abs(at.y) - half.y, std::abs(at.z) - half.z);
+    // A cone's sides lean by half.y taper / half.x.
+    const DVec3 past =
+        round ? DVec3(std::abs(at.x) - half.x,
+                      (std::hypot(at.y, at.z) - radiusAt(at.x)) / std::hypot(1, half.y * taper / half.x), -1e300)
+              : DVec3(std::abs(at.x) - half.x, std::abs(at.y) - half.y, std::abs(at.z) - half.z);
     const double most = std::max({past.x, past.y, past.z});
     return most < 0 ? most : glm::length(glm::max(past, DVec3(0)));
 }
@@ -259,15 +280,15 @@ std::vector<uint32_t> EmitterBody::surface(std::vector<Vec3>& positions, std::ve
     const auto cells = [&](double length) { return std::clamp(int(std::lround(length / edge)), 1, 64); };
     if (round) {
         constexpr int around = 16;
-        // A polygon of the same mean width as the circle.
-        const double radius = half.y * (piD / around) / std::sin(piD / around);
-        const auto rim = [&](double x, double t, double r) {
-            const double a = 2 * piD * t;
+        // A polygon of the same mean width as the circle, of the whole radius or a part of it.
+        const double polygon = (piD / around) / std::sin(piD / around);
+        const auto rim = [&](double x, double t, double part) {
+            const double a = 2 * piD * t, r = polygon * part * radiusAt(x);
             return DVec3(x, r * std::cos(a), r * std::sin(a));
         };
-        sheet(around, cells(2 * half.x), [&](double s, double t) { return rim(half.x * (2 * t - 1), s, radius); });
-        sheet(around, 1, [&](double s, double t) { return rim(half.x, s, radius * (1e-3 + (1 - 1e-3) * (1 - t))); });
-        sheet(around, 1, [&](double s, double t) { return rim(-half.x, s, radius * (1e-3 + (1 - 1e-3) * t)); });
+        sheet(around, cells(2 * half.x), [&](double s, double t) { return rim(half.x * (2 * t - 1), s, 1); });
+        sheet(around, 1, [&](double s, double t) { return rim(half.x, s, 1e-3 + (1 - 1e-3) * (1 - t)); });
+        sheet(around, 1, [&](double s, double t) { return rim(-half.x, s, 1e-3 + (1 - 1e-3) * t); });
         return sides;
     }
     // Photographs mix what lies on an edge with what lies beside it: a side has vertices within.
@@ -341,6 +362,15 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
             best[kind] = followed;
         }
     }
+    if (best[1]) {
+        EmitterBody cone = *best[1];
+        climb(fine, 4 * unit, unit, least, cone, true);
+        cone = followOutlines(capture, outlines, cone, unit, least, true);
+        if (const double score = fine.score(cone); score > scores[1] + evenFirst) {
+            scores[1] = score;
+            best[1] = cone;
+        }
+    }
     const size_t chosen = best[1] && !(best[0] && scores[0] > scores[1] + roundFirst) ? 1 : 0;
     if (!best[chosen]) return {};
     EmitterBody body = *best[chosen];
@@ -376,6 +406,9 @@ bool explainsOutlines(const EmitterBody& body, const std::vector<EmitterOutline>
 
 std::string wordsOf(const EmitterBody& body) {
     const DVec3 size = 2000.0 * body.half;
+    if (body.taper != 0)
+        return fmt::format("a cone of {:.0f} x {:.1f} to {:.1f} mm", size.x, 2000 * body.radiusAt(-body.half.x),
+                           2000 * body.radiusAt(body.half.x));
     return body.round ? fmt::format("a tube of {:.0f} x {:.1f} mm", size.x, size.y)
                       : fmt::format("a box of {:.0f} x {:.0f} x {:.1f} mm", size.x, size.y, size.z);
 }

@@ -14,7 +14,7 @@ constexpr size_t mostUnknowns = 9;
 
 using Row = std::array<double, mostUnknowns>;
 
-/// Corners of a box; points on the rims of a tube.
+/// Corners of a box; points on the rims of a tube or cone.
 std::vector<DVec3> cornersOf(const EmitterBody& body) {
     std::vector<DVec3> corners;
     constexpr int around = 24;
@@ -22,7 +22,8 @@ std::vector<DVec3> cornersOf(const EmitterBody& body) {
         if (body.round)
             for (int k = 0; k < around; ++k) {
                 const double a = 2 * piD * k / around;
-                corners.push_back({x * body.half.x, body.half.y * std::cos(a), body.half.y * std::sin(a)});
+                const double r = body.radiusAt(x * body.half.x);
+                corners.push_back({x * body.half.x, r * std::cos(a), r * std::sin(a)});
             }
         else
             for (const double y : {-1.0, 1.0})
@@ -87,6 +88,10 @@ EmitterBody changed(EmitterBody body, size_t unknown, double size, double least)
         body.axes[int(a)] = std::cos(angle) * u + std::sin(angle) * w;
         body.axes[int(b)] = std::cos(angle) * w - std::sin(angle) * u;
     }
+    if (body.round && unknown == 8) {
+        body.taper = std::clamp(body.taper + size / body.half.y, -0.9, 0.9);
+        return body;
+    }
     if (unknown >= 6) {
         body.half[int(k)] = std::max(least, body.half[int(k)] + size);
         if (body.round && k > 0) body.half[1] = body.half[2] = body.half[int(k)];
@@ -119,9 +124,10 @@ double robustCost(const std::vector<std::vector<double>>& residuals, double scal
 }  // namespace
 
 EmitterBody followOutlines(const Capture& capture, const std::vector<EmitterOutline>& outlines, EmitterBody body,
-                           double unit, double least) {
-    // A tube's roll and its second radius are no unknowns.
+                           double unit, double least, bool conical) {
+    // A tube's roll is no unknown; in its second radius' place a cone has its taper.
     std::vector<size_t> unknowns{0, 1, 2, 4, 5, 6, 7};
+    if (conical) unknowns.push_back(8);
     if (!body.round) unknowns = {0, 1, 2, 3, 4, 5, 6, 7, 8};
     const auto residualsAt = [&](const EmitterBody& at) {
         std::vector<std::vector<double>> all(outlines.size());

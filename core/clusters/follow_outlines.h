@@ -7,8 +7,8 @@ namespace relamp {
 
 /// The body whose silhouettes the outlines' boundaries follow best: Gauss-Newton with Marquardt's damping on distances
 /// in the photographs, robust (Cauchy), because an occluder's edge is boundary too. `unit`: metres of a pixel there;
-/// half sizes stay above `least` metres. O(boundary points x corners x 300).
+/// half sizes stay above `least` metres. `conical`: a tube may become a cone. O(boundary points x corners x 300).
 EmitterBody followOutlines(const Capture& capture, const std::vector<EmitterOutline>& outlines, EmitterBody body,
-                           double unit, double least);
+                           double unit, double least, bool conical = false);
 
 }  // namespace relamp

@@ -25,7 +25,7 @@ std::vector<DVec3> pointsOn(const EmitterBody& body) {
         for (int j = 0; j < across; ++j) {
             const double s = inset * (2 * (i + 0.5) / along - 1);
             if (body.round) {
-                const double angle = 2 * piD * j / across, r = inset * body.half.y;
+                const double angle = 2 * piD * j / across, r = inset * body.radiusAt(s * body.half.x);
                 points.push_back({s * body.half.x, r * std::cos(angle), r * std::sin(angle)});
                 continue;
             }
@@ -38,8 +38,9 @@ std::vector<DVec3> pointsOn(const EmitterBody& body) {
     return points;
 }
 
-/// Axes along which a body may go on.
+/// Axes along which a body may go on; a cone does not.
 std::vector<int> longAxes(const EmitterBody& body) {
+    if (body.taper != 0) return {};
     if (body.round) return {0};
     if (body.half.y < thinnest * body.half.x) return {0};
     return {0, 1};

@@ -31,6 +31,9 @@ TEST(EmitterBody, ItsSurfaceHasItsAreaAndFacesOutwards) {
     };
     check(box, 8 * (0.3 * 0.1 + 0.1 * 0.02 + 0.02 * 0.3));
     check(tube, 2 * piD * 0.05 * (0.6 + 0.05));
+    EmitterBody cone = tube;
+    cone.taper = 0.4;
+    check(cone, piD * (0.1 * std::hypot(0.6, 0.04) + 0.03 * 0.03 + 0.07 * 0.07));
 }
 
 TEST(EmitterBody, RaysEnterAndLeaveWhereItsSidesAre) {
@@ -45,6 +48,55 @@ TEST(EmitterBody, RaysEnterAndLeaveWhereItsSidesAre) {
     EXPECT_NEAR(tube.chord({-5, 0.03, 0}, {1, 0, 0}).x, 4.7, 1e-12);
     EXPECT_NEAR(tube.distance({0.3 + 0.03, 0, 0.05 + 0.04}), 0.05, 1e-12);
 }
+
+TEST(EmitterBody, RaysEnterAndLeaveAConeWhereItsSidesAre) {
+    EmitterBody cone = tubeOf({0, 0, 0}, {1, 0, 0}, 0.6, 0.05);
+    cone.taper = -0.5;
+    EXPECT_NEAR(cone.chord({-0.3 + 1e-9, 0, 5}, {0, 0, -1}).x, 5 - 0.075, 1e-8);
+    EXPECT_NEAR(cone.distance({0.3 + 0.02, 0, 0}), 0.02, 1e-12);
+    size_t hits = 0, along = 0;
+    for (uint32_t n = 0; n < 3000; ++n) {
+        const auto random = [&](uint32_t k) { return 2.0 * double(unitFloat(mixBits(7 * n + k))) - 1; };
+        const DVec3 eye(random(0), 0.3 * random(1), 0.3 * random(2));
+        const DVec3 to(0.4 * random(3), 0.08 * random(4), 0.08 * random(5)), direction = glm::normalize(to - eye);
+        const glm::dvec2 chord = cone.chord(eye, direction);
+        double least = 1e30;
+        for (int k = 0; k <= 400; ++k) least = std::min(least, cone.distance(eye + (k * 0.005) * direction));
+        if (chord.x > chord.y) {
+            EXPECT_GT(least, -0.003) << n;
+            continue;
+        }
+        ++hits;
+        along += std::abs(direction.x) > 0.999;
+        EXPECT_LT(cone.distance(eye + 0.5 * (chord.x + chord.y) * direction), 1e-9) << n;
+        if (chord.x > 0) {
+            EXPECT_NEAR(cone.distance(eye + chord.x * direction), 0, 1e-9) << n;
+        }
+        EXPECT_NEAR(cone.distance(eye + chord.y * direction), 0, 1e-9) << n;
+    }
+    EXPECT_GT(hits, 300u);
+    EXPECT_GT(along, 3u) << "steeper than the cone";
+}
+
+TEST(EmitterMend, AShadeThatGlowsIsACone) {
+    EmitterBody truth = tubeOf({0, 0, 0.35}, {0, 0, 1}, 0.2, 0.08);
+    truth.taper = -0.3;
+    EmitterBody thin = truth;
+    thin.half = {0.09, 0.065, 0.065};
+    const World world(surfaceOf(truth), surfaceOf(thin));
+    ASSERT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    ASSERT_EQ(mend.bodies.size(), 1u);
+    const EmitterBody& found = mend.bodies[0].body;
+    EXPECT_TRUE(found.round);
+    EXPECT_NEAR(glm::length(found.centre - truth.centre), 0, 0.003);
+    EXPECT_GT(std::abs(found.axes[0].z), 0.999);
+    EXPECT_NEAR(found.taper * (found.axes[0].z > 0 ? 1 : -1), truth.taper, 0.02);
+    EXPECT_NEAR(found.half.x, truth.half.x, 0.002);
+    EXPECT_NEAR(found.half.y, truth.half.y, 0.001);
+    EXPECT_EQ(wordsOf(found).substr(0, 7), "a cone ");
+}
+
 TEST(EmitterMend, ATubeTakesThePlaceOfAThinOne) {
     const EmitterBody truth = tubeOf({0.05, -0.1, 0.35}, {1, 0.4, 0.1}, 0.5, 0.03);
     EmitterBody thin = truth;
