@@ -98,6 +98,7 @@ public:
                   const ClusterOptions& options)
         : scene_(scene), capture_(capture), samples_(samples), options_(options) {
         seen_ = vertexRadiance(scene, samples);
+        glimpses_ = glimpsesOf(scene, capture, samples, seen_);
         const size_t proxies = std::min(seen_.size(), capture.proxies.size() * proxyVertices);
         for (size_t v = seen_.size() - proxies; v < seen_.size(); ++v) seen_[v] = {};
         std::vector<float> values;
@@ -149,7 +150,7 @@ public:
             cluster.vertices = part.vertices;
             cluster.radiance = part.radiance;
             cluster.evidence = e;
-            complete(scene_, seen_, taken_, cluster);
+            complete(scene_, seen_, glimpses_, taken_, cluster);
             measure(scene_, cluster);
             if (cluster.triangles.empty()) continue;
             for (uint32_t v : cluster.vertices) taken_[v] = 1;
@@ -185,7 +186,7 @@ public:
                 std::any_of(patch.vertices.begin(), patch.vertices.end(), taken))
                 continue;
             EmitterCluster cluster = clusterOf(patch);
-            complete(scene_, seen_, taken_, cluster);
+            complete(scene_, seen_, glimpses_, taken_, cluster);
             measure(scene_, cluster);
             if (cluster.triangles.empty()) continue;
             for (const uint32_t v : patch.vertices) accepted_[v] = 1;
@@ -370,7 +371,7 @@ private:
         patch.reject = reasonAgainst(patch);
         EmitterCluster cluster = clusterOf(patch);
         if (patch.reject.empty()) {
-            complete(scene_, seen_, taken_, cluster);
+            complete(scene_, seen_, glimpses_, taken_, cluster);
             for (uint32_t v : cluster.vertices) taken_[v] = 1;
         }
         measure(scene_, cluster);
@@ -394,6 +395,7 @@ private:
     const RadianceSamples& samples_;
     const ClusterOptions& options_;
     std::vector<VertexRadiance> seen_;
+    std::vector<float> glimpses_;       ///< of vertices without observation
     float median_ = 0, reference_ = 0;  ///< brightness of all vertices, and of ordinary surfaces (95 %)
     std::vector<EmitterPatch> patches_;
     std::vector<uint8_t> nearRim_;

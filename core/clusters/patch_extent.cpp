@@ -2,8 +2,32 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
+#include "base/statistics.h"
+
 namespace relamp {
 namespace {
+
+constexpr float shinesAtLeast = 0.5f;  ///< of an emitter's radiance
+constexpr int mixedPixels = 3;         ///< about an outline, that may mix what lies on both sides
+constexpr float visibleWithin = 0.005f;
+
+/// The brightest that a view shows of a point and of the pixels about it; below 0: it does not show it.
+float glimpse(const Vec3& point, const View& view, const ViewGeometry& geometry) {
+    const std::optional<Vec2> at = view.camera.project(DVec3(point));
+    if (!at || !(at->x >= 0) || !(at->y >= 0) || !(at->x < float(geometry.width)) || !(at->y < float(geometry.height)))
+        return -1;
+    const int x = int(at->x), y = int(at->y);
+    const float distance = glm::distance(point, Vec3(view.camera.position()));
+    if (!(std::abs(geometry.depth[size_t(y) * size_t(geometry.width) + size_t(x)] - distance) <
+          visibleWithin * distance))
+        return -1;
+    float brightest = 0;
+    for (int j = std::max(0, y - mixedPixels); j <= std::min(geometry.height - 1, y + mixedPixels); ++j)
+        for (int i = std::max(0, x - mixedPixels); i <= std::min(geometry.width - 1, x + mixedPixels); ++i)
+            if (view.image.usableAt(i, j)) brightest = std::max(brightest, maxChannel(view.image.at(i, j)));
+    return brightest;
+}
 
 /// Some vertices and the box around them.
 struct PatchPart {
@@ -70,9 +94,27 @@ std::vector<std::vector<uint32_t>> partsApart(const Scene& scene, const std::vec
     return result;
 }
 
-void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers,
-              EmitterCluster& cluster) {
+std::vector<float> glimpsesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                              const std::vector<VertexRadiance>& seen) {
+    std::vector<float> result(seen.size(), -1);
+    parallelFor(seen.size(), 256, [&](size_t v) {
+        if (seen[v].weight > 0 || !scene.referenced[v]) return;
+        std::vector<float> shown;
+        for (size_t i = 0; i < capture.views.size(); ++i)
+            if (const float brightest = glimpse(scene.mesh.positions[v], capture.views[i], samples.geometry[i]);
+                brightest >= 0)
+                shown.push_back(brightest);
+        if (shown.size() > 1) result[v] = medianOf(std::move(shown));
+    });
+    return result;
+}
+
+void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<float>& glimpses,
+              const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster) {
     std::vector<uint8_t> mine(seen.size(), 0);
+    const auto shines = [&](uint32_t v) {
+        return glimpses[v] < 0 || glimpses[v] > shinesAtLeast * maxChannel(cluster.radiance);
+    };
     for (uint32_t v : cluster.vertices) mine[v] = 1;
     // A connected component whose clearly seen vertices nearly all shine is an emitter as a whole.
     std::vector<float> shining(scene.components, 0), clear(scene.components, 0);
@@ -83,7 +125,7 @@ void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const
     }
     for (uint32_t v = 0; v < seen.size(); ++v) {
         const uint32_t p = scene.component[v];
-        if (!mine[v] && !ofOthers[v] && shining[p] > 0.7f * clear[p]) mine[v] = 1;
+        if (!mine[v] && !ofOthers[v] && shining[p] > 0.7f * clear[p] && shines(v)) mine[v] = 1;
     }
     // Elsewhere unobserved neighbours of similar orientation join, a few rings far.
     std::vector<uint32_t> ring = cluster.vertices;
@@ -92,7 +134,7 @@ void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const
         for (uint32_t v : ring)
             for (uint32_t e = scene.graph.start[v]; e < scene.graph.start[v + 1]; ++e) {
                 const uint32_t u = scene.graph.to[e];
-                if (mine[u] || ofOthers[u] || seen[u].weight > 0 ||
+                if (mine[u] || ofOthers[u] || seen[u].weight > 0 || !shines(u) ||
                     glm::dot(scene.mesh.normals[u], scene.mesh.normals[v]) < 0.5f)
                     continue;
                 mine[u] = 1;

@@ -9,8 +9,15 @@ namespace relamp {
 /// diagonal. A reconstruction is one component, and holds emitters that are alike.
 std::vector<std::vector<uint32_t>> partsApart(const Scene& scene, const std::vector<uint32_t>& vertices);
 
-/// Lets a patch take the unobserved and half-seen rest of its own part. Vertices marked in `ofOthers` stay there.
-void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<uint8_t>& ofOthers,
-              EmitterCluster& cluster);
+/// Largest channel that photographs show of vertices without an observation, and of three pixels around; the median
+/// over the views. Below 0: fewer than two views show it, or it has observations. A thin stand below a shade has none,
+/// because edges are near everywhere. O(such vertices x views).
+std::vector<float> glimpsesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                              const std::vector<VertexRadiance>& seen);
+
+/// Lets a patch take the unobserved and half-seen rest of its own part. Vertices marked in `ofOthers` stay there, and
+/// so does what `glimpses` show less than half as bright.
+void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<float>& glimpses,
+              const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster);
 
 }  // namespace relamp
