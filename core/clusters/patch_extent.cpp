@@ -8,21 +8,24 @@
 namespace relamp {
 namespace {
 
-constexpr float shinesAtLeast = 0.5f;  ///< of an emitter's radiance
-constexpr int mixedPixels = 3;         ///< about an outline, that may mix what lies on both sides
+constexpr double darkestPart = 0.05;    ///< of an emitter's vertices: they may shine unevenly
+constexpr float shinesAtLeast = 0.25f;  ///< of the radiance of these
+constexpr int mixedPixels = 3;          ///< about an outline, that may mix what lies on both sides
 constexpr float visibleWithin = 0.005f;
 
-/// The brightest that a view shows of a point and of the pixels about it; below 0: it does not show it.
-float glimpse(const Vec3& point, const View& view, const ViewGeometry& geometry) {
+/// The brightest that a view shows of a vertex and of the pixels about it; below 0: it does not show its front.
+float glimpse(const Mesh& mesh, size_t vertex, const View& view, const ViewGeometry& geometry) {
+    const Vec3 point = mesh.positions[vertex], toEye = Vec3(view.camera.position()) - point;
+    if (!(glm::dot(mesh.normals[vertex], toEye) > 0)) return -1;
     const std::optional<Vec2> at = view.camera.project(DVec3(point));
     if (!at || !(at->x >= 0) || !(at->y >= 0) || !(at->x < float(geometry.width)) || !(at->y < float(geometry.height)))
         return -1;
     const int x = int(at->x), y = int(at->y);
-    const float distance = glm::distance(point, Vec3(view.camera.position()));
+    const float distance = glm::length(toEye);
     if (!(std::abs(geometry.depth[size_t(y) * size_t(geometry.width) + size_t(x)] - distance) <
           visibleWithin * distance))
         return -1;
-    float brightest = 0;
+    float brightest = -1;
     for (int j = std::max(0, y - mixedPixels); j <= std::min(geometry.height - 1, y + mixedPixels); ++j)
         for (int i = std::max(0, x - mixedPixels); i <= std::min(geometry.width - 1, x + mixedPixels); ++i)
             if (view.image.usableAt(i, j)) brightest = std::max(brightest, maxChannel(view.image.at(i, j)));
@@ -101,8 +104,7 @@ std::vector<float> glimpsesOf(const Scene& scene, const Capture& capture, const 
         if (seen[v].weight > 0 || !scene.referenced[v]) return;
         std::vector<float> shown;
         for (size_t i = 0; i < capture.views.size(); ++i)
-            if (const float brightest = glimpse(scene.mesh.positions[v], capture.views[i], samples.geometry[i]);
-                brightest >= 0)
+            if (const float brightest = glimpse(scene.mesh, v, capture.views[i], samples.geometry[i]); brightest >= 0)
                 shown.push_back(brightest);
         if (shown.size() > 1) result[v] = medianOf(std::move(shown));
     });
@@ -112,9 +114,11 @@ std::vector<float> glimpsesOf(const Scene& scene, const Capture& capture, const 
 void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<float>& glimpses,
               const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster) {
     std::vector<uint8_t> mine(seen.size(), 0);
-    const auto shines = [&](uint32_t v) {
-        return glimpses[v] < 0 || glimpses[v] > shinesAtLeast * maxChannel(cluster.radiance);
-    };
+    std::vector<float> levels;
+    for (const uint32_t v : cluster.vertices)
+        if (seen[v].weight > 0) levels.push_back(maxChannel(seen[v].radiance));
+    const float least = shinesAtLeast * quantileOf(std::move(levels), darkestPart);
+    const auto shines = [&](uint32_t v) { return glimpses[v] < 0 || glimpses[v] > least; };
     for (uint32_t v : cluster.vertices) mine[v] = 1;
     // A connected component whose clearly seen vertices nearly all shine is an emitter as a whole.
     std::vector<float> shining(scene.components, 0), clear(scene.components, 0);

@@ -16,7 +16,7 @@ std::vector<float> glimpsesOf(const Scene& scene, const Capture& capture, const 
                               const std::vector<VertexRadiance>& seen);
 
 /// Lets a patch take the unobserved and half-seen rest of its own part. Vertices marked in `ofOthers` stay there, and
-/// so does what `glimpses` show less than half as bright.
+/// so does what `glimpses` show less than a quarter as bright as the darkest twentieth of it.
 void complete(const Scene& scene, const std::vector<VertexRadiance>& seen, const std::vector<float>& glimpses,
               const std::vector<uint8_t>& ofOthers, EmitterCluster& cluster);
 

@@ -21,7 +21,7 @@ TEST(PatchExtent, APatchTakesWhatIsHiddenAndNotWhatPhotographsShowDark) {
             seen[v] = {test::light, 0, 1};
             cluster.vertices.push_back(v);
         } else if (x > 0.8f) {
-            glimpses[v] = 0.3f * maxChannel(test::light);
+            glimpses[v] = 0.2f * maxChannel(test::light);
         }
         if (x <= 0.8f) expected.push_back(v);
     }
