@@ -22,7 +22,6 @@ constexpr double coarseStep = 0.5, finestStep = 0.1;  ///< pixels where the sear
 constexpr size_t hullPoints = 30000, leastHullPoints = 40;
 constexpr double roundFirst = 0.01;     ///< overlap by which a box must be better than a tube
 constexpr double evenFirst = 0.01;      ///< by which a cone must be
-constexpr double steepest = 0.9;        ///< taper
 constexpr double worseOverlap = 0.005;  ///< by which the body that follows outlines may be worse
 constexpr double hiddenPrice = 0.05;    ///< of a hidden pixel: what nothing shows is not there without need
 constexpr double leastHalf = 0.25;      ///< pixels
@@ -110,7 +109,9 @@ struct BodyChange {
             body.half[axis] += 0.5 * change;
             body.centre += 0.5 * change * (endSide > 0 ? 1.0 : -1.0) * body.axes[axis];
         }
-        if (kind == taper) body.taper = std::clamp(body.taper + sign * size / body.half.y, -steepest, steepest);
+        if (kind == taper)
+            body.taper =
+                std::clamp(body.taper + sign * size / body.half.y, -EmitterBody::steepest, EmitterBody::steepest);
         if (kind == radius) body.half[1] = body.half[2] = std::max(least, body.half[1] + sign * size);
         return body;
     }
@@ -239,8 +240,7 @@ glm::dvec2 EmitterBody::chord(const DVec3& eye, const DVec3& direction, double s
         chord.y = std::min(chord.y, (-b + std::sqrt(inside)) / a);
         return chord;
     }
-    // A ray steeper than the cone leaves it through one of its ends: it lies within on that side of one root, where
-    // the radius is above 0.
+    // A ray steeper than the cone's sides crosses them once where the radius is above 0.
     if (!(inside > 0)) return chord;
     if (grows > 0) chord.x = std::max(chord.x, (-b - std::sqrt(inside)) / a);
     else chord.y = std::min(chord.y, (-b + std::sqrt(inside)) / a);

@@ -17,7 +17,8 @@ struct EmitterBody {
     float overlap = 0;                  ///< of outlines and silhouettes, where nothing hides them
     float mostSeen = 0, nextSeen = 0;   ///< of its silhouettes, the fraction that shows light, in the two best views
     std::vector<size_t> partOnly = {};  ///< of the outlines, those that show a part of it, as if something hid the rest
-    double taper = 0;  ///< of a cone: its radius is 1 + taper times that where the first axis ends; above -1, below 1
+    static constexpr double steepest = 0.9;
+    double taper = 0;  ///< of a cone: its radius is 1 + taper times that where the first axis ends; up to `steepest`
 
     /// Radius of a tube or cone at this place along the first axis, metres.
     double radiusAt(double x) const { return half.y * (1 + taper * x / half.x); }
@@ -46,8 +47,7 @@ std::optional<EmitterBody> fitUnhidden(const Scene& scene, const Capture& captur
 /// most of it.
 bool explainsOutlines(const EmitterBody& body, const std::vector<EmitterOutline>& outlines);
 
-/// "a tube of 300 x 20.0 mm", "a box of 300 x 200 x 10.0 mm", "a cone of 160 x 80.0
-/// to 50.0 mm" (length, diameters).
+/// "a tube of 300 x 20.0 mm", "a box of 300 x 200 x 10.0 mm", "a cone of 160 x 80.0 to 50.0 mm" (length, diameters).
 std::string wordsOf(const EmitterBody& body);
 
 }  // namespace relamp

@@ -89,7 +89,7 @@ EmitterBody changed(EmitterBody body, size_t unknown, double size, double least)
         body.axes[int(b)] = std::cos(angle) * w - std::sin(angle) * u;
     }
     if (body.round && unknown == 8) {
-        body.taper = std::clamp(body.taper + size / body.half.y, -0.9, 0.9);
+        body.taper = std::clamp(body.taper + size / body.half.y, -EmitterBody::steepest, EmitterBody::steepest);
         return body;
     }
     if (unknown >= 6) {
