@@ -53,7 +53,8 @@ struct EmitterMend {
 /// disagree by more than 3 %:
 /// - a ball that explains the pixels clearly better takes the place of the triangles, and of those before it through
 ///   which photographs see it;
-/// - otherwise a straight tube or box that does so; parts of one radiance that photographs show in one piece are one
+/// - otherwise a straight tube, cone or box that does so; parts of one radiance that photographs show in one piece are
+/// one
 ///   emitter then. A ridge of the surface behind goes back to it;
 /// - otherwise the surface moves along its normals, by as much as pixels and mesh differ in area.
 /// Candidates are asked too where they are even and too bright to reflect anything. Exact meshes stay as they are.

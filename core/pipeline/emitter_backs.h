@@ -20,9 +20,10 @@ std::vector<uint32_t> shiningToBothSides(const Scene& scene, const RadianceSampl
                                          Progress& progress);
 
 /// Vertices, ascending, with which emitters and candidates are closed where at most one photograph shows them (a
-/// reconstruction closes the opening of a shade below), if photographs are explained better when they shine too, by the
-/// same limits: from outside, an opening through which one sees the shining inside is as bright as a skin over it.
-/// Asked where they are a twentieth of the emitter's area. Cost: two pilots for each of these. Throws Cancelled.
+/// reconstruction closes the opening of a shade below), if photographs are explained better when they shine too, by 0.2
+/// % of the misfit and four standard errors: one of several emitters changes few pairs, and from outside an opening
+/// through which one sees the shining inside is as bright as a skin over it. Asked where they are a twentieth of the
+/// emitter's area. Cost: two pilots for each of these. Throws Cancelled.
 std::vector<uint32_t> shiningSkins(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& clusters,
                                    const SolveOptions& options, Progress& progress);
 

@@ -69,13 +69,19 @@ TEST(EmitterBody, RaysEnterAndLeaveAConeWhereItsSidesAre) {
         ++hits;
         along += std::abs(direction.x) > 0.999;
         EXPECT_LT(cone.distance(eye + 0.5 * (chord.x + chord.y) * direction), 1e-9) << n;
-        if (chord.x > 0) {
-            EXPECT_NEAR(cone.distance(eye + chord.x * direction), 0, 1e-9) << n;
-        }
+        if (chord.x > 0) { EXPECT_NEAR(cone.distance(eye + chord.x * direction), 0, 1e-9) << n; }
         EXPECT_NEAR(cone.distance(eye + chord.y * direction), 0, 1e-9) << n;
     }
     EXPECT_GT(hits, 300u);
     EXPECT_GT(along, 3u) << "steeper than the cone";
+}
+
+/// What takes the place of the one light that the mesh has.
+EmitterReplacement onlyBody(const World& world) {
+    EXPECT_EQ(world.clusters.emitters.size(), 1u);
+    const EmitterMend mend = world.mend();
+    EXPECT_EQ(mend.bodies.size(), 1u);
+    return mend.bodies.empty() ? EmitterReplacement() : mend.bodies[0];
 }
 
 TEST(EmitterMend, AShadeThatGlowsIsACone) {
@@ -83,11 +89,7 @@ TEST(EmitterMend, AShadeThatGlowsIsACone) {
     truth.taper = -0.3;
     EmitterBody thin = truth;
     thin.half = {0.09, 0.065, 0.065};
-    const World world(surfaceOf(truth), surfaceOf(thin));
-    ASSERT_EQ(world.clusters.emitters.size(), 1u);
-    const EmitterMend mend = world.mend();
-    ASSERT_EQ(mend.bodies.size(), 1u);
-    const EmitterBody& found = mend.bodies[0].body;
+    const EmitterBody found = onlyBody(World(surfaceOf(truth), surfaceOf(thin))).body;
     EXPECT_TRUE(found.round);
     EXPECT_NEAR(glm::length(found.centre - truth.centre), 0, 0.003);
     EXPECT_GT(std::abs(found.axes[0].z), 0.999);
@@ -102,18 +104,16 @@ TEST(EmitterMend, ATubeTakesThePlaceOfAThinOne) {
     EmitterBody thin = truth;
     thin.half = {0.23, 0.018, 0.018};
     const World world(surfaceOf(truth), surfaceOf(thin));
-    ASSERT_EQ(world.clusters.emitters.size(), 1u);
-    const EmitterMend mend = world.mend();
-    ASSERT_EQ(mend.bodies.size(), 1u);
-    const EmitterBody& found = mend.bodies[0].body;
+    const EmitterReplacement only = onlyBody(world);
+    const EmitterBody& found = only.body;
     EXPECT_TRUE(found.round);
     EXPECT_NEAR(glm::length(found.centre - truth.centre), 0, 0.004);
     EXPECT_GT(std::abs(glm::dot(found.axes[0], truth.axes[0])), 0.9995);
     EXPECT_NEAR(found.half.x, truth.half.x, 0.002);
     EXPECT_NEAR(found.half.y, truth.half.y, 0.0006);
-    EXPECT_EQ(mend.bodies[0].place.removed.size(), surfaceOf(thin).triangles.size());
-    EXPECT_GE(mend.bodies[0].place.removed.front(), world.floorTriangles);
-    EXPECT_TRUE(mend.bodies[0].setBack.empty());
+    EXPECT_EQ(only.place.removed.size(), surfaceOf(thin).triangles.size());
+    EXPECT_GE(only.place.removed.front(), world.floorTriangles);
+    EXPECT_TRUE(only.setBack.empty());
 }
 
 TEST(EmitterMend, APanelInTwoShredsIsOneBox) {
