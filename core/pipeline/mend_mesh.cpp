@@ -15,6 +15,7 @@
 #include "radiance/cut_surfaces.h"
 #include "radiance/free_space.h"
 #include "radiance/mirror_spheres.h"
+#include "radiance/missing_parts.h"
 #include "radiance/slab_sides.h"
 #include "radiance/whole_shade.h"
 #include "solve/registration/contour_fit.h"
@@ -341,6 +342,17 @@ public:
                             side.level ? "to where another surface ends" : "a likely length; nothing says how far"));
     }
 
+    /// Handles, posts, ears: what the mesh has lost.
+    void addMissingParts() {
+        const MissingParts found =
+            missingParts(*prepared_.scene, capture_, *prepared_.samples, verticesOfLights(), progress_);
+        if (found.parts == 0) return;
+        addPatch(found.surface);
+        apply(balls_);
+        say(fmt::format("photographs show {} thin {} that the mesh lacks ({:.0f} cm2): added", found.parts,
+                        found.parts == 1 ? "part" : "parts", 1e4f * found.surface.area));
+    }
+
     /// Skins that close lights where no photograph looks.
     void closeLights() {
         const std::vector<uint32_t> skins =
@@ -474,6 +486,7 @@ MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& pr
     mender.shapeEmitters(skirts || moved);
     if (skirts || moved) mender.completeLights();
     if (skirts || moved) mender.continueSurfaces();
+    if (skirts || moved) mender.addMissingParts();
     if (skirts || moved) mender.closeLights();
     mender.openBacks();
     return std::move(mender).result();
