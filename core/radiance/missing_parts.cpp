@@ -21,13 +21,14 @@ constexpr float tellsAgainst = -1;   ///< gain of a view that speaks against a v
 constexpr size_t fewestViews = 5;    ///< that a voxel stands before the mesh in
 constexpr size_t fewestBefore = 3;   ///< of these: show it before the mesh, of which more is known than of a background
 constexpr float mostAgainst = 0.2f;  ///< fraction of these, one at least
-constexpr float voxelPerCell = 0.5f;   ///< side of a voxel over the median footprint of a cell
-constexpr size_t leastVoxels = 100;    ///< of a part
-constexpr float clearOf = 3;           ///< voxels: a part stands that far off the mesh somewhere
-constexpr float surfaceLevel = 0.5f;   ///< of the smoothed occupancy
-constexpr float aboutTheMesh = 0.02f;  ///< diagonals: parts lie within its box and that much around it
-constexpr int rootSide = 64;           ///< voxels of a cube that is searched at once
-constexpr size_t mostAsked = 65536;    ///< of these: thin parts fill little of a cube
+constexpr float voxelPerCell = 0.5f;     ///< side of a voxel over the median footprint of a cell
+constexpr size_t leastVoxels = 100;      ///< of a part
+constexpr float mostUnexplained = 0.1f;  ///< fraction of what is seen: beyond it the mesh is wrong, not incomplete
+constexpr float clearOf = 3;             ///< voxels: a part stands that far off the mesh somewhere
+constexpr float surfaceLevel = 0.5f;     ///< of the smoothed occupancy
+constexpr float aboutTheMesh = 0.02f;    ///< diagonals: parts lie within its box and that much around it
+constexpr int rootSide = 64;             ///< voxels of a cube that is searched at once
+constexpr size_t mostAsked = 65536;      ///< of these: thin parts fill little of a cube
 
 /// Lowest and highest values over squares of 2^level cells.
 class CellPyramid {
@@ -243,6 +244,21 @@ float voxelSide(const Capture& capture, const std::vector<UnexplainedView>& view
     return widths.empty() ? 0 : voxelPerCell * medianOf(std::move(widths));
 }
 
+/// The fraction of what views see of the mesh that the others do not confirm, of the median view.
+float unexplainedOf(const std::vector<UnexplainedView>& views) {
+    std::vector<float> fractions;
+    for (const UnexplainedView& view : views) {
+        size_t known = 0, unexplained = 0;
+        for (size_t cell = 0; cell < view.gain.size(); ++cell) {
+            if (!view.known[cell] || std::isinf(view.depth[cell])) continue;
+            ++known;
+            unexplained += view.gain[cell] > 0;
+        }
+        if (known) fractions.push_back(float(unexplained) / float(known));
+    }
+    return fractions.empty() ? 0 : medianOf(std::move(fractions));
+}
+
 }  // namespace
 
 MissingParts missingParts(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
@@ -250,6 +266,7 @@ MissingParts missingParts(const Scene& scene, const Capture& capture, const Radi
     MissingParts parts;
     if (capture.views.size() < fewestViews) return parts;
     const std::vector<UnexplainedView> views = unexplainedPixels(scene, capture, samples, isLight, progress);
+    if (unexplainedOf(views) > mostUnexplained) return parts;
     const float side = voxelSide(capture, views);
     if (!(side > 0)) return parts;
     Box box;

@@ -16,8 +16,8 @@ struct MissingParts {
 /// The visual hull of what photographs show and the mesh does not explain: voxels as wide as half a pixel that stand
 /// before the mesh in four views or more, of which all but a fifth show something else there than others show of what
 /// lies behind. Voxels that touch are one part; small ones and such as lie flat on the mesh are left out. `isLight`:
-/// per vertex; nothing is said beside lights. Exact meshes have none. O(views x pixels), voxels by an octree. Throws
-/// Cancelled.
+/// per vertex; nothing is said beside lights, nor where a tenth of what views see of the mesh differs from what others
+/// do: a hull, gloss. Exact meshes have none. O(views x pixels), voxels by an octree. Throws Cancelled.
 MissingParts missingParts(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                           const std::vector<uint8_t>& isLight, Progress& progress);
 

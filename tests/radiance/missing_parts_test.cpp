@@ -106,6 +106,13 @@ TEST(MissingParts, NothingStandsBeforeAMeshThatIsWrong) {
     EXPECT_EQ(PostWorld(bareFloor(), mesh).missing().parts, 0u);
 }
 
+TEST(MissingParts, NothingIsAddedToAMeshThatIsWrongAllOver) {
+    // The floor lies too low, and photographs that show it agree on none of its places.
+    Mesh low = bareFloor();
+    for (Vec3& p : low.positions) p.z -= 0.15f;
+    EXPECT_EQ(PostWorld(floorAndPost(), low).missing().parts, 0u);
+}
+
 TEST(MissingParts, ThreeViewsTellNothing) { EXPECT_EQ(PostWorld(floorAndPost(), bareFloor(), 3).missing().parts, 0u); }
 
 TEST(MissingParts, NothingIsSaidBesideLights) {
