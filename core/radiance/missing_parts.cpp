@@ -17,6 +17,7 @@ namespace {
 constexpr float ownSpread = 0.25f;   ///< of log radiance: what shading makes a part differ by between views
 constexpr float mostUnlike = 4;      ///< of one view, log likelihood
 constexpr float leastGain = 4;       ///< log likelihood of a voxel, of all views together
+constexpr float mostOfAView = 3;     ///< gain, at most
 constexpr float tellsAgainst = -1;   ///< gain of a view that speaks against a voxel
 constexpr size_t fewestViews = 5;    ///< that a voxel stands before the mesh in
 constexpr size_t fewestBefore = 3;   ///< of these: show it before the mesh, of which more is known than of a background
@@ -26,9 +27,10 @@ constexpr size_t leastVoxels = 100;      ///< of a part
 constexpr float mostUnexplained = 0.1f;  ///< fraction of what is seen: beyond it the mesh is wrong, not incomplete
 constexpr float clearOf = 3;             ///< voxels: a part stands that far off the mesh somewhere
 constexpr float surfaceLevel = 0.5f;     ///< of the smoothed occupancy
-constexpr float aboutTheMesh = 0.02f;    ///< diagonals: parts lie within its box and that much around it
-constexpr int rootSide = 64;             ///< voxels of a cube that is searched at once
-constexpr size_t mostAsked = 65536;      ///< of these: thin parts fill little of a cube
+constexpr float aboutTheMesh = 0.02f;  ///< diagonals: parts lie within the box of what is seen and that much around it
+constexpr int rootSide = 64;           ///< voxels of a cube that is searched at once
+constexpr double mostCubes = 2e6;      ///< of that box
+constexpr size_t mostAsked = 65536;    ///< of these: thin parts fill little of a cube
 
 /// Lowest and highest values over squares of 2^level cells.
 class CellPyramid {
@@ -167,7 +169,7 @@ private:
             const float distance = float(glm::length(middle - camera.position()));
             const std::optional<Vec2> at = camera.project(middle);
             if (distance < 3 * radius || !at) {  // too near to tell, or behind
-                gain += 3;
+                gain += mostOfAView;
                 ++count;
                 continue;
             }
@@ -197,13 +199,10 @@ private:
         const UnexplainedView& seen = views_[view];
         const Camera& camera = capture_.views[view].camera;
         const std::optional<Vec2> pixel = camera.project(point);
-        if (!pixel) return {};
-        const int x = int(std::floor(pixel->x / float(seen.step))), y = int(std::floor(pixel->y / float(seen.step)));
-        if (x < 0 || y < 0 || x >= seen.width || y >= seen.height) return {};
-        const size_t cell = size_t(y) * size_t(seen.width) + size_t(x);
-        const float before = seen.depth[cell] - float(glm::length(point - camera.position()));
-        if (!seen.known[cell] || before < side_) return {};
-        return Place{cell, before};
+        const std::optional<size_t> cell = pixel ? seen.cellAt(*pixel) : std::nullopt;
+        if (!cell || !seen.known[*cell]) return {};
+        const float before = seen.depth[*cell] - float(glm::length(point - camera.position()));
+        return before < side_ ? std::nullopt : std::optional(Place{*cell, before});
     }
 
     /// What a voxel holds; none where it holds nothing.
@@ -234,7 +233,7 @@ private:
     std::vector<CellPyramid> pyramids_;
 };
 
-/// Metres: half the median width of what a cell shows of the mesh.
+/// Metres. 0 where no cell shows the mesh.
 float voxelSide(const Capture& capture, const std::vector<UnexplainedView>& views) {
     std::vector<float> widths;
     for (size_t i = 0; i < views.size(); ++i)
@@ -271,10 +270,11 @@ MissingParts missingParts(const Scene& scene, const Capture& capture, const Radi
     if (!(side > 0)) return parts;
     Box box;
     for (size_t v = 0; v < scene.mesh.vertexCount(); ++v)
-        if (scene.referenced[v]) box.grow(scene.mesh.positions[v]);
-    box.widen(aboutTheMesh * scene.diagonal);
+        if (samples.countOf(uint32_t(v)) > 0) box.grow(scene.mesh.positions[v]);
+    box.widen(aboutTheMesh * box.diagonal());
     const Hull hull(capture, views, box.min, side);
     const Vec3 roots = glm::ceil(box.size() / (side * float(rootSide)));
+    if (!(double(roots.x) * double(roots.y) * double(roots.z) <= mostCubes)) return parts;
     const auto nx = size_t(roots.x), ny = size_t(roots.y), nz = size_t(roots.z);
     std::vector<std::vector<FoundVoxel>> found(nx * ny * nz);
     progress.begin("Parts that the mesh lacks", found.size());

@@ -24,11 +24,6 @@ constexpr float beforeBackground = -0.9f;  ///< least gain there: other views ma
 constexpr int leastBeside = 4;             ///< of the 24 about a cell that differ as it does: of a line
 constexpr float ofASpeck = -1.5f;          ///< gain of one without
 
-/// What a view shows, in cells.
-struct ShownCells {
-    std::vector<uint8_t> usable;  ///< per cell
-};
-
 int stepFor(const Capture& capture) {
     double pixels = 0;
     for (const View& view : capture.views) pixels += double(view.camera.width) * double(view.camera.height);
@@ -37,8 +32,8 @@ int stepFor(const Capture& capture) {
 
 /// Marks the cells of lights and those beside them as not usable.
 void leaveLightsOut(const Scene& scene, const ViewGeometry& seen, const std::vector<uint8_t>& isLight,
-                    const UnexplainedView& view, ShownCells& cells) {
-    std::vector<uint8_t> light(cells.usable.size(), 0);
+                    const UnexplainedView& view, std::vector<uint8_t>& usable) {
+    std::vector<uint8_t> light(usable.size(), 0);
     for (int y = 0; y < view.height * view.step; ++y)
         for (int x = 0; x < view.width * view.step; ++x) {
             const uint32_t t = seen.triangle[size_t(y) * size_t(seen.width) + size_t(x)];
@@ -52,15 +47,15 @@ void leaveLightsOut(const Scene& scene, const ViewGeometry& seen, const std::vec
             if (!light[size_t(y) * size_t(view.width) + size_t(x)]) continue;
             for (int ny = std::max(0, y - besideLight); ny <= std::min(view.height - 1, y + besideLight); ++ny)
                 for (int nx = std::max(0, x - besideLight); nx <= std::min(view.width - 1, x + besideLight); ++nx)
-                    cells.usable[size_t(ny) * size_t(view.width) + size_t(nx)] = 0;
+                    usable[size_t(ny) * size_t(view.width) + size_t(nx)] = 0;
         }
 }
 
-ShownCells shownCellsOf(const View& view, const ViewGeometry& seen, float floor, UnexplainedView& out) {
-    ShownCells cells;
+/// Fills `shown` and `depth`; returns 1 for each cell that is mostly of usable pixels.
+std::vector<uint8_t> cellsOf(const View& view, const ViewGeometry& seen, float floor, UnexplainedView& out) {
     const size_t count = size_t(out.width) * size_t(out.height);
     out.shown.assign(count, Rgb(0));
-    cells.usable.assign(count, 0);
+    std::vector<uint8_t> usable(count, 0);
     out.depth.assign(count, std::numeric_limits<float>::infinity());
     for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x) {
@@ -74,14 +69,14 @@ ShownCells shownCellsOf(const View& view, const ViewGeometry& seen, float floor,
                 sum += view.image.at(px, py);
                 ++pixels;
             }
-            cells.usable[cell] = 2 * pixels > out.step * out.step;
+            usable[cell] = 2 * pixels > out.step * out.step;
             const Rgb mean = sum / float(std::max(1, pixels));
             for (int c = 0; c < 3; ++c) out.shown[cell][c] = std::log(std::max(mean[c], floor));
             const size_t middle =
                 size_t(y * out.step + out.step / 2) * size_t(seen.width) + size_t(x * out.step + out.step / 2);
             if (seen.triangle[middle] != Hit::none) out.depth[cell] = seen.depth[middle];
         }
-    return cells;
+    return usable;
 }
 
 /// Other views of the same state, evenly spread.
@@ -126,7 +121,7 @@ std::vector<UnexplainedView> unexplainedPixels(const Scene& scene, const Capture
                                                Progress& progress) {
     const size_t count = capture.views.size();
     std::vector<UnexplainedView> views(count);
-    std::vector<ShownCells> cells(count);
+    std::vector<std::vector<uint8_t>> usable(count);
     const SeenPast past(scene, capture, samples);
     const int step = stepFor(capture);
     size_t rows = 0;
@@ -137,8 +132,8 @@ std::vector<UnexplainedView> unexplainedPixels(const Scene& scene, const Capture
         view.step = step;
         view.width = capture.views[i].camera.width / step;
         view.height = capture.views[i].camera.height / step;
-        cells[i] = shownCellsOf(capture.views[i], samples.geometry[i], past.floor(), view);
-        leaveLightsOut(scene, samples.geometry[i], isLight, view, cells[i]);
+        usable[i] = cellsOf(capture.views[i], samples.geometry[i], past.floor(), view);
+        leaveLightsOut(scene, samples.geometry[i], isLight, view, usable[i]);
     });
     for (size_t i = 0; i < count; ++i) {
         UnexplainedView& view = views[i];
@@ -150,7 +145,7 @@ std::vector<UnexplainedView> unexplainedPixels(const Scene& scene, const Capture
             std::array<std::vector<float>, 3> shown;
             for (int x = 0; x < view.width; ++x) {
                 const size_t cell = y * size_t(view.width) + size_t(x);
-                if (!cells[i].usable[cell]) continue;
+                if (!usable[i][cell]) continue;
                 const Vec3 direction = camera.rayDirection(float(step) * Vec2(float(x) + 0.5f, float(y) + 0.5f));
                 const Rgb& own = view.shown[cell];
                 if (std::isinf(view.depth[cell])) {
@@ -165,14 +160,11 @@ std::vector<UnexplainedView> unexplainedPixels(const Scene& scene, const Capture
                 for (const size_t j : others) {
                     const UnexplainedView& other = views[j];
                     const std::optional<Vec2> at = capture.views[j].camera.project(place);
-                    if (!at) continue;
-                    const int ox = int(std::floor(at->x / float(step))), oy = int(std::floor(at->y / float(step)));
-                    if (ox < 0 || oy < 0 || ox >= other.width || oy >= other.height) continue;
-                    const size_t there = size_t(oy) * size_t(other.width) + size_t(ox);
+                    const std::optional<size_t> there = at ? other.cellAt(*at) : std::nullopt;
+                    if (!there || !usable[j][*there]) continue;
                     const float distance = float(glm::length(place - capture.views[j].camera.position()));
-                    if (!cells[j].usable[there] || !(std::abs(other.depth[there] - distance) < sameDepth * distance))
-                        continue;
-                    for (int c = 0; c < 3; ++c) shown[size_t(c)].push_back(other.shown[there][c]);
+                    if (!(std::abs(other.depth[*there] - distance) < sameDepth * distance)) continue;
+                    for (int c = 0; c < 3; ++c) shown[size_t(c)].push_back(other.shown[*there][c]);
                 }
                 if (shown[0].size() < fewestOthers) continue;
                 float off = 0, apart = 0;

@@ -1,5 +1,7 @@
 // Where photographs show something that the mesh has not. Inner part of missing parts, not a door.
 #pragma once
+#include <optional>
+
 #include "base/progress.h"
 #include "capture/capture.h"
 #include "radiance/samples.h"
@@ -17,6 +19,13 @@ struct UnexplainedView {
     std::vector<Rgb> shown;      ///< per cell: log radiance
     std::vector<uint8_t> known;  ///< per cell: whether `gain` rests on anything
     std::vector<float> depth;    ///< per cell: metres along the ray; infinite where the background is seen
+
+    /// The cell of a pixel position; none outside the view.
+    std::optional<size_t> cellAt(const Vec2& pixel) const {
+        const Vec2 at = pixel / float(step);
+        if (!(at.x >= 0 && at.y >= 0 && at.x < float(width) && at.y < float(height))) return {};
+        return size_t(at.y) * size_t(width) + size_t(at.x);
+    }
 };
 
 /// One per view of the capture. Unusable pixels, lights and what lies beside them say nothing (`isLight`: per vertex).

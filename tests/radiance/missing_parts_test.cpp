@@ -115,6 +115,12 @@ TEST(MissingParts, NothingIsAddedToAMeshThatIsWrongAllOver) {
 
 TEST(MissingParts, ThreeViewsTellNothing) { EXPECT_EQ(PostWorld(floorAndPost(), bareFloor(), 3).missing().parts, 0u); }
 
+TEST(MissingParts, WhatNoViewSeesMayLieFarAway) {
+    Mesh mesh = bareFloor();
+    test::append(mesh, test::sheet({4e4f, 4e4f, 4e4f}, {0.1f, 0, 0}, {0, 0.1f, 0}, 1, 1));
+    EXPECT_EQ(PostWorld(floorAndPost(), mesh).missing().parts, 1u);
+}
+
 TEST(MissingParts, NothingIsSaidBesideLights) {
     const PostWorld world(floorAndPost(), bareFloor());
     EXPECT_EQ(world.missing(std::vector<uint8_t>(world.scene.mesh.vertexCount(), 1)).parts, 0u);
