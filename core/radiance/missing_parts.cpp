@@ -17,7 +17,6 @@ namespace {
 constexpr float ownSpread = 0.25f;   ///< of log radiance: what shading makes a part differ by between views
 constexpr float mostUnlike = 4;      ///< of one view, log likelihood
 constexpr float leastGain = 4;       ///< log likelihood of a voxel, of all views together
-constexpr float mostOfAView = 3;     ///< gain, at most
 constexpr float tellsAgainst = -1;   ///< gain of a view that speaks against a voxel
 constexpr size_t fewestViews = 5;    ///< that a voxel stands before the mesh in
 constexpr size_t fewestBefore = 3;   ///< of these: show it before the mesh, of which more is known than of a background
@@ -169,7 +168,7 @@ private:
             const float distance = float(glm::length(middle - camera.position()));
             const std::optional<Vec2> at = camera.project(middle);
             if (distance < 3 * radius || !at) {  // too near to tell, or behind
-                gain += mostOfAView;
+                gain += UnexplainedView::mostGain;
                 ++count;
                 continue;
             }

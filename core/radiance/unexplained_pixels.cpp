@@ -19,7 +19,6 @@ constexpr float sameDepth = 0.02f;         ///< relative, of a place that anothe
 constexpr float leastSpread = 0.06f;       ///< of log radiance: what views of a matte surface differ by
 constexpr float loose = 1.1f;              ///< times the spread
 constexpr float againstIt = -2.5f;         ///< least gain of a cell
-constexpr float forIt = 3;                 ///< most gain of a cell
 constexpr float beforeBackground = -0.9f;  ///< least gain there: other views may show the part itself before it
 constexpr int leastBeside = 4;             ///< of the 24 about a cell that differ as it does: of a line
 constexpr float ofASpeck = -1.5f;          ///< gain of one without
@@ -92,7 +91,7 @@ std::vector<size_t> othersOf(const Capture& capture, size_t view) {
 
 float gainOf(float distance, float spread) {
     const float s = loose * std::max(spread, leastSpread);
-    return std::clamp(0.5f * distance * distance / (s * s) + std::log(s), againstIt, forIt);
+    return std::clamp(0.5f * distance * distance / (s * s) + std::log(s), againstIt, UnexplainedView::mostGain);
 }
 
 /// Single cells that differ are noise: what is not beside others that differ is as the surface there.

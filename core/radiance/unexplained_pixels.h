@@ -11,6 +11,7 @@ namespace relamp {
 
 /// A view in cells of `step` x `step` pixels.
 struct UnexplainedView {
+    static constexpr float mostGain = 3;
     int width = 0, height = 0;  ///< cells
     int step = 1;
     /// Per cell: log likelihood that it shows something that the mesh lacks, over that of the surface or background

@@ -6,6 +6,7 @@
 #include "base/box.h"
 #include "radiance/gather.h"
 #include "support/estimates.h"
+#include "support/point_photograph.h"
 
 namespace relamp {
 namespace {
@@ -42,19 +43,13 @@ struct PostWorld {
         scene = test::sceneOf(mesh);
         for (int i = 0; i < views; ++i) {
             const double turn = 2 * piD * i / views;
-            View view;
-            view.camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), i % 2 ? 1.0 : 0.6}, {0, 0, 0.1},
-                                         240, 180, 220);
-            view.image = Image(240, 180);
-            const Vec3 eye(view.camera.position());
-            for (int y = 0; y < 180; ++y)
-                for (int x = 0; x < 240; ++x) {
-                    const Vec3 d = view.camera.rayDirection({float(x) + 0.5f, float(y) + 0.5f});
-                    const Hit hit = real.tracer->closest({eye, d, 0, 1e30f});
+            const Camera camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), i % 2 ? 1.0 : 0.6},
+                                                 {0, 0, 0.1}, 240, 180, 220);
+            capture.views.push_back(
+                test::pointPhotograph(real, camera, [](const Hit& hit, const Vec3& p, const Vec3& d) {
                     const Rgb sky(0.3f + 0.2f * std::sin(5 * d.x), 0.4f, 0.3f + 0.2f * std::sin(4 * d.y));
-                    view.image.at(x, y) = hit ? shownOnPost(eye + d * hit.distance) : sky;
-                }
-            capture.views.push_back(view);
+                    return hit ? shownOnPost(p) : sky;
+                }));
         }
         Progress progress;
         samples = gatherRadiance(capture, scene, {}, progress);

@@ -7,6 +7,7 @@
 #include "radiance/gather.h"
 #include "radiance/whole_shade.h"
 #include "support/estimates.h"
+#include "support/point_photograph.h"
 
 namespace relamp {
 namespace {
@@ -75,22 +76,14 @@ struct Shaded {
         scene = test::sceneOf(mesh);
         for (int i = 0; i < 10; ++i) {
             const double turn = 2 * piD * i / 10;
-            View view;
-            view.camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), i % 2 ? 1.0 : 0.35}, {0, 0, 0.4},
-                                         240, 180, 220);
-            view.image = Image(240, 180);
-            const Vec3 eye(view.camera.position());
-            for (int y = 0; y < 180; ++y)
-                for (int x = 0; x < 240; ++x) {
-                    const Vec3 d = view.camera.rayDirection({float(x) + 0.5f, float(y) + 0.5f});
-                    const Hit hit = real.tracer->closest({eye, d, 0, 1e30f});
-                    const Vec3 p = eye + d * hit.distance;
-                    Rgb shown(0.3f + 0.2f * std::sin(5 * d.x), 0.4f, 0.3f + 0.2f * std::sin(4 * d.y));
-                    if (hit && p.z < 1e-3f) shown = Rgb(0.25f, 0.15f, 0.1f) * (1 + 0.3f * std::sin(25 * p.x + 9 * p.y));
-                    else if (hit) shown = s.distance(DVec3(p)) > 0 ? Rgb(0.02f, 0.08f, 0.02f) : Rgb(2, 1.8f, 1.5f);
-                    view.image.at(x, y) = shown;
-                }
-            capture.views.push_back(view);
+            const Camera camera = test::cameraAt({1.5 * std::cos(turn), 1.5 * std::sin(turn), i % 2 ? 1.0 : 0.35},
+                                                 {0, 0, 0.4}, 240, 180, 220);
+            const auto shown = [&](const Hit& hit, const Vec3& p, const Vec3& d) {
+                if (!hit) return Rgb(0.3f + 0.2f * std::sin(5 * d.x), 0.4f, 0.3f + 0.2f * std::sin(4 * d.y));
+                if (p.z < 1e-3f) return Rgb(0.25f, 0.15f, 0.1f) * (1 + 0.3f * std::sin(25 * p.x + 9 * p.y));
+                return s.distance(DVec3(p)) > 0 ? Rgb(0.02f, 0.08f, 0.02f) : Rgb(2, 1.8f, 1.5f);
+            };
+            capture.views.push_back(test::pointPhotograph(real, camera, shown));
         }
         Progress progress;
         samples = gatherRadiance(capture, scene, {}, progress);
