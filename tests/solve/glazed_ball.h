@@ -34,15 +34,17 @@ struct CoatedBall {
         fine.lobeSamples = rays;
         fine.cosineSamples = rays / 2;
         std::vector<float> row(lighting.leaves.size());
+        constexpr int fineness = 64;
+        const DirectionGrid grid{fineness};
+        std::vector<std::pair<Vec3, Rgb>> sky;  // direction; light through the cell, over pi
+        for (int c = 0; c < grid.cells(); ++c)
+            sky.emplace_back(grid.direction(c), lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] *
+                                                    (grid.cellSolidAngle() / pi));
         for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v) {
             samples.start.push_back(uint32_t(samples.samples.size()));
             Rgb lit(0);
-            constexpr int fineness = 64;
-            const DirectionGrid grid{fineness};
-            for (int c = 0; c < grid.cells(); ++c)
-                if (const float cosine = glm::dot(scene.mesh.normals[v], grid.direction(c)); cosine > 0)
-                    lit += lighting.leafRadiance[lighting.leaves.leafOf(grid.direction(c))] *
-                           (cosine * grid.cellSolidAngle() / pi);
+            for (const auto& [direction, light] : sky)
+                lit += light * std::max(0.0f, glm::dot(scene.mesh.normals[v], direction));
             const bool coated = !hasCoating || hasCoating(scene.mesh.positions[v]);
             matte.push_back((coated ? red : grey) * lit);
             for (uint32_t view = 0; view < capture.views.size(); ++view) {

@@ -19,8 +19,13 @@ struct PhotographedBall {
     Scene scene;
 
     explicit PhotographedBall(float radius) {
+        static const std::vector<View> taken = photographs();
         capture.mesh = test::ball({0, 0, 0}, radius, 80, 160);
+        capture.views = taken;
         scene = test::sceneOf(capture.mesh);
+    }
+    static std::vector<View> photographs() {
+        std::vector<View> all;
         for (int i = 0; i < views; ++i) {
             const double turn = 0.03 * (i - views / 2);
             View view;
@@ -30,8 +35,9 @@ struct PhotographedBall {
             view.image = Image(side, side);
             for (int y = 0; y < side; ++y)
                 for (int x = 0; x < side; ++x) view.image.at(x, y) = pixel(view.camera, x, y);
-            capture.views.push_back(std::move(view));
+            all.push_back(std::move(view));
         }
+        return all;
     }
     /// Mean over 8 x 8 rays.
     static Rgb pixel(const Camera& camera, int x, int y) {
