@@ -14,7 +14,9 @@ namespace {
 constexpr int coarseLevel = 2, finalLevel = 3;
 constexpr float lobePowers[] = {1, 4};  ///< a panel's intensity is a cosine; a spot's falls off faster
 constexpr float radii[] = {0.05f, 0.1f, 0.15f, 0.2f, 0.3f};  ///< in parts of the distance
-constexpr double leastShapeGain = 0.01;  ///< fraction of the misfit by which each further shape is to be better
+constexpr double leastShapeGain = 0.01;       ///< fraction of the misfit by which each further shape is to be better
+constexpr float atInfinity = 50;              ///< times the reach of the points
+constexpr double leastDistanceCertainty = 4;  ///< standard errors, of a suspected light
 constexpr float farAway = 6;  ///< times the reach of the points: beyond, fall-off and parallax are lost in texture
 
 /// The middle of the points and how far they reach.
@@ -154,6 +156,7 @@ private:
     UnobservedLightData with(const UnobservedLightData& base, const std::vector<Likely>& likely,
                              size_t without = ~size_t(0)) const;
     std::optional<UnobservedLightFit> bestPlace(const std::vector<Likely>& likely);
+    double certaintyOfDistance(const UnobservedLightFit& near);
     std::optional<Likely> next(const std::vector<Likely>& likely);
     UnobservedLightFit atItsDistance(const UnobservedLightData& dense, const UnobservedLightFit& from, Likely& out);
     UnobservedLightFit shapedLight(const UnobservedLightData& dense, const UnobservedLightFit& even);
@@ -333,6 +336,22 @@ std::string LightSearch::wordsOf(const UnobservedLight& light, const Judged& jud
         100 * judgement.gain, judgement.certainty);
 }
 
+/// By how many standard errors more a light at a place explains than one in its direction and far away, which would be
+/// a detail of the environment.
+double LightSearch::certaintyOfDistance(const UnobservedLightFit& near) {
+    const Vec3 away = near.place - extent_.middle;
+    const Vec3 far = extent_.middle + atInfinity * extent_.radius * glm::normalize(away);
+    const Vec3 direction =
+        searchAround(scene_, coarse_, far, extent_.middle, near.light, 0.2f, 0.02f, true, progress_).place;
+    UnobservedLightData data = fine_;
+    const UnobservedLightFit without = fitted(data);
+    const auto fitAt = [&](const Vec3& place) {
+        const Eigen::VectorXd column = pointLightColumn(scene_, data, place, 8);
+        return fitUnobservedLight(data, &column, without.light, 20);
+    };
+    return gainCertainty(data, fitAt(direction), fitAt(near.place));
+}
+
 std::optional<SuspectedLight> LightSearch::suspected() {
     const std::optional<UnobservedLightFit> place = bestPlace({});
     if (!place) return std::nullopt;
@@ -342,6 +361,9 @@ std::optional<SuspectedLight> LightSearch::suspected() {
     if (judgement.gain < double(options_.leastGain) || judgement.certainty < 4 ||
         judgement.fit.fraction < double(options_.leastFraction))
         return std::nullopt;
+    const double nearer = certaintyOfDistance(*place);
+    logInfo("there in place of far away: {:.1f} standard errors", nearer);
+    if (nearer < leastDistanceCertainty) return std::nullopt;
     return SuspectedLight{capture_.origin + DVec3(place->place), judgement.gain, judgement.certainty,
                           judgement.fit.fraction};
 }

@@ -63,7 +63,8 @@ UnobservedLightSearch findUnobservedLights(const Capture& capture, const Scene& 
 
 /// Is the search worth while? Its first look, with 800 places and 1500 pairs, for one small light that shines alike in
 /// all directions; none where it explains less than 5 % of the misfit, or by less than 4 standard errors, or gives less
-/// than 5 % of the light. Cost: 1 to 10 s of CPU. Throws Cancelled.
+/// than 5 % of the light, or where one far away in its direction does not explain less by 4 standard errors. Cost: 1 to
+/// 10 s of CPU. Throws Cancelled.
 std::optional<SuspectedLight> suspectUnobservedLight(const Capture& capture, const Scene& scene,
                                                      const RadianceSamples& samples, const EmitterClusters& clusters,
                                                      uint64_t seed, Progress& progress);
