@@ -73,7 +73,8 @@ def main():
         three = np.sum(a[m] * b[m], 0) / np.sum(a[m] ** 2, 0)
         bright = (b @ LUMA) > np.median((b @ LUMA)[m])
         print("| %s | %.1f | %.1f | %.1f | %.0f %% | %.1f | %.1f | %.1f | %.3f %.3f |" % (
-            name, full, hues, brightness, 100 * worst(ours, truth, mask), psnr(a, b, m), psnr(a * one, b, m), psnr(a * three, b, m),
+            name, full, hues, brightness, 100 * worst(ours, truth, mask), psnr(a, b, m), psnr(a * one, b, m),
+            psnr(a * three, b, m),
             a[m & ~bright].sum() / b[m & ~bright].sum(), a[m & bright].sum() / b[m & bright].sum()))
         if args.map:
             ratio = (a @ LUMA) / np.maximum(b @ LUMA, 1e-6)

@@ -14,9 +14,9 @@ namespace {
 constexpr int coarseLevel = 2, finalLevel = 3;
 constexpr float lobePowers[] = {1, 4};  ///< a panel's intensity is a cosine; a spot's falls off faster
 constexpr float radii[] = {0.05f, 0.1f, 0.15f, 0.2f, 0.3f};  ///< in parts of the distance
-constexpr double leastShapeGain = 0.01;       ///< fraction of the misfit by which each further shape is to be better
-constexpr float atInfinity = 50;              ///< times the reach of the points
-constexpr double leastDistanceCertainty = 4;  ///< standard errors, of a suspected light
+constexpr double leastShapeGain = 0.01;  ///< fraction of the misfit by which each further shape is to be better
+constexpr float atInfinity = 50;         ///< times the reach of the points
+constexpr double leastCertainty = 4;     ///< standard errors, of a suspected light and of its distance
 constexpr float farAway = 6;  ///< times the reach of the points: beyond, fall-off and parallax are lost in texture
 
 /// The middle of the points and how far they reach.
@@ -358,12 +358,12 @@ std::optional<SuspectedLight> LightSearch::suspected() {
     const Judged judgement = judged({{place->place, {}, {}, 0}}, 0);
     logInfo("suspected light at {}: {:.1f} % of the misfit, {:.1f} standard errors, {:.0f} % of the light",
             placeInWords(place->place), 100 * judgement.gain, judgement.certainty, 100 * judgement.fit.fraction);
-    if (judgement.gain < double(options_.leastGain) || judgement.certainty < 4 ||
+    if (judgement.gain < double(options_.leastGain) || judgement.certainty < leastCertainty ||
         judgement.fit.fraction < double(options_.leastFraction))
         return std::nullopt;
     const double nearer = certaintyOfDistance(*place);
     logInfo("there in place of far away: {:.1f} standard errors", nearer);
-    if (nearer < leastDistanceCertainty) return std::nullopt;
+    if (nearer < leastCertainty) return std::nullopt;
     return SuspectedLight{capture_.origin + DVec3(place->place), judgement.gain, judgement.certainty,
                           judgement.fit.fraction};
 }
