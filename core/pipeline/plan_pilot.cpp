@@ -132,6 +132,88 @@ void sendFromHidden(const Scene& scene, const EmitterClusters& emitters, const M
     for (size_t i = 0; i < lit.size(); ++i) outgoing[vertices[i]] = albedo * lit[i];
 }
 
+/// What light from other surfaces, as photographs show those, explains beyond a fit of direct light.
+struct BounceTrial {
+    std::vector<Rgb> light;                         ///< per point of the pilot
+    Lighting lighting;                              ///< fitted with it
+    double enclosure = 0, fraction = 0, worse = 0;  ///< PilotFindings
+    double raySeconds = 0;                          ///< to trace twice
+};
+
+/// `lighting`: fitted without. `fit`: the options of that.
+BounceTrial tryBounce(const Scene& scene, const EmitterClusters& emitters, const MatteObservations& all,
+                      const PilotPairs& part, const InfluenceMatrix& rows, const LightAnchors& anchors,
+                      AlbedoFreeOptions fit, const Lighting& lighting, const SolveOptions& options,
+                      Progress& progress) {
+    BounceTrial trial;
+    const MatteObservations& matte = part.matte;
+    const std::vector<Rgb> lit = litBy(rows, lighting);
+    const double began = progress.seconds();
+    // Twice, against the noise of the rays.
+    BounceOptions rays;
+    rays.rays = pilotRays;
+    rays.seed = options.seed;
+    rays.only = &part.wanted;
+    const BounceRays met = traceBounce(scene, rays, progress);
+    rays.seed = mixBits(options.seed);
+    const BounceRays metAgain = traceBounce(scene, rays, progress);
+    trial.raySeconds = std::max(progress.seconds() - began, 1e-7);
+    for (uint32_t v : matte.vertices) trial.enclosure += double(met.enclosure(v)) / double(matte.vertices.size());
+    // What surfaces send is in the photographs; those that no photograph shows have the middle albedo of the others.
+    std::vector<Rgb> outgoing(scene.mesh.vertexCount(), Rgb(0));
+    for (size_t i = 0; i < all.vertices.size(); ++i) outgoing[all.vertices[i]] = all.radiance[i];
+    sendFromHidden(scene, emitters, all, {&met, &metAgain}, options, lighting, middleAlbedo(matte, lit), outgoing,
+                   progress);
+    const std::vector<Rgb> gathered = gatherBounce(met, outgoing), again = gatherBounce(metAgain, outgoing);
+    for (uint32_t v : matte.vertices) trial.light.push_back((gathered[v] + again[v]) / 2.0f);
+    trial.lighting = lighting;
+    fit.anneal = false;
+    fit.bounce = &trial.light;
+    solveAlbedoFree(rows, matte, part.pairs, anchors, nullptr, fit, trial.lighting, progress, {});
+    std::vector<Rgb> bouncedLit = litBy(rows, trial.lighting), bouncedAgain = bouncedLit;
+    double fromSurfaces = 0, whole = 0;
+    for (size_t i = 0; i < trial.light.size(); ++i) {
+        fromSurfaces += luminance(trial.light[i]);
+        whole += luminance(bouncedLit[i] + trial.light[i]);
+        bouncedLit[i] += gathered[matte.vertices[i]];
+        bouncedAgain[i] += again[matte.vertices[i]];
+    }
+    trial.fraction = whole > 0 ? fromSurfaces / whole : 0;
+    double sum = 0, squares = 0;
+    for (const AlbedoPair& p : part.pairs) {
+        const double rise = pairMisfit(matte, p, bouncedLit, bouncedAgain) - pairMisfit(matte, p, lit, lit);
+        sum += rise;
+        squares += rise * rise;
+    }
+    const double n = double(std::max<size_t>(2, part.pairs.size())), mean = sum / n,
+                 variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
+    trial.worse = variance > 0 ? mean / std::sqrt(variance) : 0;
+    return trial;
+}
+
+/// Pairs of the pilot and how direct light of coarse directions reaches their points.
+struct PilotRows {
+    PilotPairs part;
+    Lighting lighting;  ///< even light of coarse directions, where a fit begins
+    AlbedoFreeOptions fit;
+    InfluenceMatrix rows;
+
+    PilotRows(const Scene& scene, const EmitterClusters& emitters, const MatteObservations& all,
+              const std::vector<AlbedoPair>& pairs, const SolveOptions& options, Progress& progress)
+        : part(scene, all, pairs, options.seed) {
+        const Visibility visibility =
+            computeVisibility(scene, {.gridSide = pilotSide, .only = &part.wanted, .axes = scene.axes}, progress);
+        NearFieldOptions nearOptions;
+        nearOptions.seed = options.seed;
+        nearOptions.only = &part.wanted;
+        const NearField nearField = computeNearField(scene, emitters, nearOptions, progress);
+        lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
+        rows = lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
+        double middle = 0;
+        fit = pilotFit(part.matte, emitters, middle, lighting);
+    }
+};
+
 }  // namespace
 
 std::vector<Rgb> litBy(const InfluenceMatrix& rows, const Lighting& lighting) {
@@ -220,50 +302,16 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
     found.distantFraction = light > 0 ? distant / light : 1;
 
     took();
-    // Twice, against the noise of the rays.
-    BounceOptions rays;
-    rays.rays = pilotRays;
-    rays.seed = options.seed;
-    rays.only = &wanted;
-    const BounceRays met = traceBounce(scene, rays, progress);
-    rays.seed = mixBits(options.seed);
-    const BounceRays metAgain = traceBounce(scene, rays, progress);
-    found.bounceSecondsPerRay = took() / (2 * double(found.points) * pilotRays);
-    found.enclosure = 0;
-    for (uint32_t v : matte.vertices) found.enclosure += double(met.enclosure(v)) / double(found.points);
-    // What surfaces send is in the photographs; those that no photograph shows have the middle albedo of the others.
-    std::vector<Rgb> outgoing(scene.mesh.vertexCount(), Rgb(0)), bounce;
-    for (size_t i = 0; i < all.vertices.size(); ++i) outgoing[all.vertices[i]] = all.radiance[i];
-    sendFromHidden(scene, emitters, all, {&met, &metAgain}, options, lighting, middleAlbedo(matte, lit), outgoing,
-                   progress);
-    const std::vector<Rgb> gathered = gatherBounce(met, outgoing), again = gatherBounce(metAgain, outgoing);
-    for (uint32_t v : matte.vertices) bounce.push_back((gathered[v] + again[v]) / 2.0f);
-    Lighting bounced = lighting;
-    fit.anneal = false;
-    fit.bounce = &bounce;
-    solveAlbedoFree(rows, matte, chosen, anchors, nullptr, fit, bounced, progress, {});
-    std::vector<Rgb> bouncedLit = litBy(rows, bounced), bouncedAgain = bouncedLit;
-    double fromSurfaces = 0, whole = 0;
-    for (size_t i = 0; i < bounce.size(); ++i) {
-        fromSurfaces += luminance(bounce[i]);
-        whole += luminance(bouncedLit[i] + bounce[i]);
-        bouncedLit[i] += gathered[matte.vertices[i]];
-        bouncedAgain[i] += again[matte.vertices[i]];
-    }
-    found.bouncedFraction = whole > 0 ? fromSurfaces / whole : 0;
-    double sum = 0, squares = 0;
-    for (const AlbedoPair& p : chosen) {
-        const double rise = pairMisfit(matte, p, bouncedLit, bouncedAgain) - pairMisfit(matte, p, lit, lit);
-        sum += rise;
-        squares += rise * rise;
-    }
-    const double n = double(std::max<size_t>(2, chosen.size())), mean = sum / n,
-                 variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
-    found.bounceWorse = variance > 0 ? mean / std::sqrt(variance) : 0;
+    BounceTrial bounce = tryBounce(scene, emitters, all, part, rows, anchors, fit, lighting, options, progress);
+    found.bounceSecondsPerRay = bounce.raySeconds / (2 * double(found.points) * pilotRays);
+    found.enclosure = bounce.enclosure;
+    found.bouncedFraction = bounce.fraction;
+    found.bounceWorse = bounce.worse;
 
     const bool withBounce = found.bounceWorse < likelyBounce;
-    found.lighting = withBounce ? bounced : lighting;
-    if (!withBounce) fit.bounce = nullptr;
+    found.lighting = withBounce ? std::move(bounce.lighting) : lighting;
+    fit.anneal = false;
+    if (withBounce) fit.bounce = &bounce.light;
     fit.iterations = 4;
     sharpenStrong(scene, visibility, nearField, samples, emitters, part, fit, found.lighting, progress);
     return found;
@@ -271,27 +319,31 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
 
 std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                                  const MatteObservations& all, const std::vector<AlbedoPair>& pairs,
-                                 const SolveOptions& options, Progress& progress, const FittedProbes& probes) {
-    const PilotPairs part(scene, all, pairs, options.seed);
-    const Visibility visibility =
-        computeVisibility(scene, {.gridSide = pilotSide, .only = &part.wanted, .axes = scene.axes}, progress);
-    NearFieldOptions nearOptions;
-    nearOptions.seed = options.seed;
-    nearOptions.only = &part.wanted;
-    const NearField nearField = computeNearField(scene, emitters, nearOptions, progress);
-    Lighting lighting;
-    lighting.leaves = LightLeaves::uniform(pilotLevel, scene.axes);
-    const InfluenceMatrix rows =
-        lambertInfluence(scene, visibility, nearField, lighting.leaves, part.matte.vertices, progress);
-    double middle = 0;
-    const AlbedoFreeOptions fit = pilotFit(part.matte, emitters, middle, lighting);
-    LightAnchors anchors = lightAnchors(samples, emitters, lighting.leaves);
-    for (const auto& probe : probes) anchors.probes.push_back(probeAnchor(*probe, lighting.leaves));
-    solveAlbedoFree(rows, part.matte, part.pairs, anchors, nullptr, fit, lighting, progress, {});
-    const std::vector<Rgb> lit = litBy(rows, lighting);
+                                 const SolveOptions& options, Progress& progress, const FittedProbes& probes,
+                                 const std::vector<Rgb>& bounce) {
+    PilotRows pilot(scene, emitters, all, pairs, options, progress);
+    LightAnchors anchors = lightAnchors(samples, emitters, pilot.lighting.leaves);
+    for (const auto& probe : probes) anchors.probes.push_back(probeAnchor(*probe, pilot.lighting.leaves));
+    if (!bounce.empty()) pilot.fit.bounce = &bounce;
+    solveAlbedoFree(pilot.rows, pilot.part.matte, pilot.part.pairs, anchors, nullptr, pilot.fit, pilot.lighting,
+                    progress, {});
+    std::vector<Rgb> lit = litBy(pilot.rows, pilot.lighting);
+    for (size_t i = 0; i < bounce.size(); ++i) lit[i] += bounce[i];
     std::vector<double> misfits;
-    for (const AlbedoPair& p : part.pairs) misfits.push_back(pairMisfit(part.matte, p, lit, lit));
+    for (const AlbedoPair& p : pilot.part.pairs) misfits.push_back(pairMisfit(pilot.part.matte, p, lit, lit));
     return misfits;
+}
+
+std::vector<Rgb> pilotBounce(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
+                             const MatteObservations& all, const std::vector<AlbedoPair>& pairs,
+                             const SolveOptions& options, Progress& progress) {
+    PilotRows pilot(scene, emitters, all, pairs, options, progress);
+    const LightAnchors anchors = lightAnchors(samples, emitters, pilot.lighting.leaves);
+    solveAlbedoFree(pilot.rows, pilot.part.matte, pilot.part.pairs, anchors, nullptr, pilot.fit, pilot.lighting,
+                    progress, {});
+    BounceTrial trial =
+        tryBounce(scene, emitters, all, pilot.part, pilot.rows, anchors, pilot.fit, pilot.lighting, options, progress);
+    return trial.worse < likelyBounce ? std::move(trial.light) : std::vector<Rgb>{};
 }
 
 MisfitFall misfitFall(const std::vector<double>& before, const std::vector<double>& after) {

@@ -46,10 +46,17 @@ PilotFindings runPilot(const Scene& scene, const RadianceSamples& samples, const
                        const SolveOptions& options, Progress& progress);
 
 /// Misfit of each of the pilot's pairs, bent, under the coarse light fitted to them: what fits with other normals can
-/// be held against, pair by pair. `probes`: light probes that take part.
+/// be held against, pair by pair. `probes`: light probes that take part. `bounce`: of pilotBounce, for the same pairs
+/// and options.
 std::vector<double> pilotMisfits(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
                                  const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
-                                 const SolveOptions& options, Progress& progress, const FittedProbes& probes = {});
+                                 const SolveOptions& options, Progress& progress, const FittedProbes& probes = {},
+                                 const std::vector<Rgb>& bounce = {});
+
+/// Light from other surfaces on the pilot's points, as photographs show those; empty: it explains nothing.
+std::vector<Rgb> pilotBounce(const Scene& scene, const RadianceSamples& samples, const EmitterClusters& emitters,
+                             const MatteObservations& matte, const std::vector<AlbedoPair>& pairs,
+                             const SolveOptions& options, Progress& progress);
 
 /// How much better one fit explains the pilot's pairs than another.
 struct MisfitFall {

@@ -13,17 +13,18 @@ constexpr size_t leastProbePairs = 1000;
 constexpr double leastMatte = 0.15;                  // of the observations, as SolveObservations::hasMatte
 constexpr double worseRise = 0.02, worseErrors = 3;  // of the pilot's misfit; standard errors
 
-/// Asks the shading how far the fitted probe can be trusted. `without`: misfits of the pilot's pairs without it.
+/// Asks the shading how far the fitted probe can be trusted. `without`: misfits of the pilot's pairs without it;
+/// `bounce`: light from other surfaces on their points.
 void askShading(const LightProbe& probe, const Scene& scene, const RadianceSamples& samples,
                 const EmitterClusters& emitters, const RatioObservations& observed, const std::vector<double>& without,
-                const SolveOptions& options, ProbeFit& fit, Progress& progress) {
+                const std::vector<Rgb>& bounce, const SolveOptions& options, ProbeFit& fit, Progress& progress) {
     FittedProbe fitted = fittedProbe(probe, fit, scene.axes);
     // The pilot has few of the solve's pairs, against which a row weighs so much more.
     const float fewer = float(std::sqrt(double(observed.pairs.size()) / double(std::max<size_t>(1, without.size()))));
     for (; fit.noise <= ProbeFit::mostNoise; fit.noise *= 2) {
         fitted.fit.noise = fewer * fit.noise;
         const std::vector<double> with = pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options,
-                                                      progress, {std::make_shared<const FittedProbe>(fitted)});
+                                                      progress, {std::make_shared<const FittedProbe>(fitted)}, bounce);
         const MisfitFall fall = misfitFall(without, with);
         logInfo("{} with a noise of {:.0f} %: {}", fit.name, 100 * fit.noise, fall.words());
         if (-fall.part <= worseRise || -fall.errors <= worseErrors) return;
@@ -92,11 +93,15 @@ std::vector<ProbeFit> fitProbes(const std::vector<LightProbe>& probes, const Sce
     const bool ask =
         observed.pairs.size() >= leastProbePairs && double(matte) > leastMatte * double(observed.matte.vertices.size());
     std::vector<double> without;
-    if (ask) without = pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
+    std::vector<Rgb> bounce;
+    if (ask) {
+        bounce = pilotBounce(scene, samples, emitters, observed.matte, observed.pairs, options, progress);
+        without = pilotMisfits(scene, samples, emitters, observed.matte, observed.pairs, options, progress, {}, bounce);
+    }
     for (const LightProbe& probe : probes) {
         ProbeFit fit = fitToBackground(probe, samples);
         if (!fit.by.empty() && !without.empty())
-            askShading(probe, scene, samples, emitters, observed, without, options, fit, progress);
+            askShading(probe, scene, samples, emitters, observed, without, bounce, options, fit, progress);
         judge(fit);
         if (fit.doubtful()) logWarning("{}", fit.words);
         else logInfo("{}", fit.words);

@@ -5,6 +5,7 @@
 #include "image/environment_map.h"
 #include "pipeline/marked_reference.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/probe_stage.h"
 #include "solve/chart.h"
 #include "support/known_world.h"
 
@@ -219,6 +220,31 @@ TEST(LightReferences, AMirrorBallHalvesTheErrorOfTheEnvironmentAndOneOfAnotherPl
     EXPECT_FALSE(found.probes[1].used) << found.probes[1].words;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.probes[0].gain[c], 1 / 0.6f, 0.05f) << c;
     EXPECT_LT(environmentError(found), 0.5 * environmentError(without.solve()));
+}
+
+TEST(LightReferences, AProbeOfARoomIsTrustedThoughItsWallsLightTheFloor) {
+    test::TemporaryFolder folder;
+    const test::KnownWorld truth = test::paintKnownWorld(folder / "room", true, 6, 24, true);
+    PipelineOptions options;
+    options.solve = solveOptionsFor("draft");
+    options.registration = options.photometric = false;
+    Progress progress;
+    StageMeter meter{progress};
+    Capture capture = loadCapture(folder / "room", {}, progress);
+    const Prepared prepared = prepare(capture, options, meter, progress);
+    LightProbe probe;
+    probe.name = "sky";
+    probe.latLong = Image(128, 64);
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 128; ++x)
+            probe.latLong.at(x, y) =
+                test::KnownWorld::sky(directionFromLatLong(Vec2((float(x) + 0.5f) / 128, (float(y) + 0.5f) / 64)));
+    FittedProbes used;
+    const std::vector<ProbeFit> fits =
+        fitProbes({probe}, *prepared.scene, *prepared.samples, prepared.clusters, options.solve, used, progress);
+    ASSERT_EQ(fits.size(), 1u);
+    EXPECT_TRUE(fits[0].used) << fits[0].words;
+    EXPECT_FALSE(fits[0].contradicted) << fits[0].words;
 }
 
 }  // namespace
