@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "image/direction_grid.h"
+#include "solve/ratio/joined_materials.h"
 
 namespace relamp {
 namespace {
@@ -22,7 +23,8 @@ public:
           matte_(matte),
           cornerCosine_(options.cornerCosine),
           flatCosine_(options.flatCosine),
-          corner_(std::acos(options.cornerCosine) - 1e-3f) {
+          corner_(std::acos(options.cornerCosine) - 1e-3f),
+          joined_(joinedMaterials(scene)) {
         double spacing = 0;
         for (uint32_t v : matte.vertices) spacing += scene.vertexSpacing[v];
         reach_ = matte.vertices.empty() ? 0 : float(8 * spacing / double(matte.vertices.size()));
@@ -94,7 +96,7 @@ private:
             if (at == buckets_.end() || angle(normal, at->second.axis) + at->second.spread < corner_) continue;
             for (uint32_t j : at->second.observations) {
                 const uint32_t u = matte_.vertices[j];
-                if (scene_.material[u] != scene_.material[v] ||
+                if (joined_[scene_.material[u]] != joined_[scene_.material[v]] ||
                     glm::dot(scene_.mesh.normals[u], normal) > cornerCosine_)
                     continue;
                 const Vec3 d = scene_.mesh.positions[u] - p;
@@ -106,6 +108,7 @@ private:
     const Scene& scene_;
     const MatteObservations& matte_;
     float cornerCosine_, flatCosine_, corner_, reach_ = 0;
+    std::vector<uint32_t> joined_;  ///< per material
     std::unordered_map<uint64_t, Bucket> buckets_;
 };
 
