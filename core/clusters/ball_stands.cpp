@@ -1,12 +1,12 @@
 #include "clusters/ball_stands.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
 
 #include "base/statistics.h"
-#include "clusters/principal_axes.h"
 #include "scene/rim.h"
 
 namespace relamp {
@@ -26,24 +26,62 @@ constexpr int sectors = 8, leastSectors = 6;  ///< around it: that have some of 
 constexpr int sleeveSides = 16;
 constexpr size_t leastVertices = 12;
 
-struct Tube {
-    DVec3 through{0};    ///< metres
-    glm::dmat3 axes{1};  ///< the first along it, away from the ball
-    double radius = 0;   ///< metres
-    double from = 0;     ///< metres along it from `through`: where it is whole
-    double at(const DVec3& p) const { return glm::dot(p - through, axes[0]); }
-    double off(const DVec3& p) const { return glm::length(p - through - at(p) * axes[0]); }
-};
+/// Tilt of the axis towards the two others and its shift along them, in `ball`.
+using AxisMotion = std::array<double, 4>;
+
+StraightTube withAxis(const StraightTube& tube, const AxisMotion& by, double ball) {
+    StraightTube out = tube;
+    out.through += ball * (by[2] * tube.axes[1] + by[3] * tube.axes[2]);
+    out.axes[0] = glm::normalize(tube.axes[0] + by[0] * tube.axes[1] + by[1] * tube.axes[2]);
+    out.axes[1] = glm::normalize(tube.axes[1] - glm::dot(tube.axes[1], out.axes[0]) * out.axes[0]);
+    out.axes[2] = glm::cross(out.axes[0], out.axes[1]);
+    return out;
+}
+
+/// Brings the axis to where the points lie at one distance from it, in part only where a mesh lacks some of its sides:
+/// coordinate search of a robust loss. Axes through the ball's centre are likelier than others.
+void fitAxis(const std::vector<DVec3>& points, double ball, StraightTube& tube) {
+    constexpr double sigma = 0.05, offSigma = 1;  // radii of the ball
+    const auto lossOf = [&](const AxisMotion& by) {
+        const StraightTube there = withAxis(tube, by, ball);
+        std::vector<double> distances;
+        for (const DVec3& p : points) distances.push_back(there.off(p) / ball);
+        const double radius = medianOf(distances), off = std::hypot(by[2], by[3]) / offSigma;
+        double loss = 0.5 * off * off;
+        for (const double d : distances) loss += std::log1p(std::pow((d - radius) / sigma, 2)) / double(points.size());
+        return loss;
+    };
+    AxisMotion best{};
+    double least = lossOf(best);
+    for (double step = 0.2; step > 0.005; step /= 2)
+        for (bool better = true; better;) {
+            better = false;
+            for (size_t k = 0; k < best.size(); ++k)
+                for (const double sign : {-1.0, 1.0}) {
+                    AxisMotion tried = best;
+                    tried[k] += sign * step;
+                    if (const double loss = lossOf(tried); loss < least - 1e-9) {
+                        least = loss;
+                        best = tried;
+                        better = true;
+                    }
+                }
+        }
+    tube = withAxis(tube, best, ball);
+}
 
 /// The tube that the points are of, away from the ball about `centre`; none where they are no tube.
-std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre, double ball) {
+std::optional<StraightTube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre, double ball) {
     if (points.size() < leastVertices) return {};
-    Tube tube;
-    for (const DVec3& p : points) tube.through += p / double(points.size());
-    tube.axes = principalAxes(points);
-    const DVec3 away = tube.through - centre;
-    if (glm::dot(tube.axes[0], away) < 0) tube.axes[0] = -tube.axes[0];
-    if (glm::dot(tube.axes[0], away) < leastAway * glm::length(away)) return {};
+    DVec3 middle(0);
+    for (const DVec3& p : points) middle += p / double(points.size());
+    if (!(glm::length(middle - centre) > 0)) return {};
+    StraightTube tube;
+    tube.through = centre;
+    tube.axes = glm::dmat3(frameAround(Vec3(glm::normalize(middle - centre))));
+    std::swap(tube.axes[0], tube.axes[2]);
+    fitAxis(points, ball, tube);
+    if (glm::dot(tube.axes[0], middle - centre) < leastAway * glm::length(middle - centre)) return {};
     if (tube.off(centre) > offCentre * ball) return {};
     std::vector<double> heights;
     for (const DVec3& p : points) heights.push_back(tube.at(p));
@@ -67,41 +105,91 @@ std::optional<Tube> tubeOf(const std::vector<DVec3>& points, const DVec3& centre
     return std::popcount(around) >= leastSectors ? std::optional(tube) : std::nullopt;
 }
 
-/// From the ball's inside to where the tube is whole, in place of `bag`, triangles of the mesh.
-SurfacePatch sleeveOf(const Mesh& mesh, const std::vector<uint32_t>& bag, Tube tube, const DVec3& centre, double ball) {
+/// The tube's side from the ball's inside on, with rings `apart` metres apart, the last at `to`.
+SurfacePatch sideOf(const StraightTube& tube, const DVec3& centre, double ball, double to, double apart) {
     SurfacePatch patch;
-    patch.replaced = bag;
-    for (const uint32_t t : bag)
-        for (const uint32_t v : mesh.triangles[t]) tube.from = std::max(tube.from, tube.at(DVec3(mesh.positions[v])));
-    const DVec3& along = tube.axes[0];
-    for (const bool inBall : {false, true})
-        for (int i = 0; i < sleeveSides; ++i) {
-            const double turn = 2 * piD * i / sleeveSides;
-            const DVec3 foot =
-                tube.through + tube.radius * (std::cos(turn) * tube.axes[1] + std::sin(turn) * tube.axes[2]);
-            const DVec3 to = centre - foot;
-            const double ahead = glm::dot(to, along), aside2 = glm::dot(to, to) - ahead * ahead,
-                         end = ahead + std::sqrt(std::max(0.0, sleeveEnd * sleeveEnd * ball * ball - aside2));
-            patch.positions.push_back(Vec3(foot + (inBall ? end : std::max(tube.from, end + ball / 20)) * along));
+    const auto inBall = [&](const DVec3& foot) {
+        const DVec3 way = centre - foot;
+        const double ahead = glm::dot(way, tube.axes[0]), aside2 = glm::dot(way, way) - ahead * ahead;
+        return ahead + std::sqrt(std::max(0.0, sleeveEnd * sleeveEnd * ball * ball - aside2));
+    };
+    const double from = tube.at(centre) + ball;
+    const auto rings = uint32_t(std::max(1.0, std::ceil((to - from) / apart)));
+    for (uint32_t ring = 0; ring <= rings; ++ring)
+        for (uint32_t i = 0; i < sleeveSides; ++i) {
+            const double turn = 2 * piD * i / sleeveSides, first = inBall(tube.onSurface(0, turn)),
+                         along = from + (to - from) * ring / rings;
+            patch.positions.push_back(
+                Vec3(tube.onSurface(ring == 0 ? first : std::max(along, first + ball / 20), turn)));
         }
-    for (uint32_t i = 0; i < sleeveSides; ++i) {
-        const uint32_t next = (i + 1) % sleeveSides;
-        for (Triangle t : {Triangle{i, next, i + sleeveSides}, Triangle{next, next + sleeveSides, i + sleeveSides}}) {
-            const Vec3 &a = patch.positions[t[0]], &b = patch.positions[t[1]], &c = patch.positions[t[2]];
-            const DVec3 out = DVec3(a) - tube.through - tube.at(DVec3(a)) * along;
-            if (glm::dot(DVec3(glm::cross(b - a, c - a)), out) < 0) std::swap(t[1], t[2]);
-            patch.triangles.push_back(t);
-            patch.area += glm::length(glm::cross(b - a, c - a)) / 2;
+    for (uint32_t ring = 0; ring < rings; ++ring)
+        for (uint32_t i = 0; i < sleeveSides; ++i) {
+            const uint32_t a = ring * sleeveSides + i, b = ring * sleeveSides + (i + 1) % sleeveSides;
+            for (Triangle t : {Triangle{a, b, a + sleeveSides}, Triangle{b, b + sleeveSides, a + sleeveSides}}) {
+                const Vec3 &p = patch.positions[t[0]], &q = patch.positions[t[1]], &r = patch.positions[t[2]];
+                const Vec3 normal = glm::cross(q - p, r - p);
+                const DVec3 out = DVec3(p) - tube.onAxis(tube.at(DVec3(p)));
+                if (glm::dot(DVec3(normal), out) < 0) std::swap(t[1], t[2]);
+                patch.triangles.push_back(t);
+                patch.area += glm::length(normal) / 2;
+            }
         }
-    }
     return patch;
 }
 
 }  // namespace
 
-std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLight>& balls) {
-    std::vector<SurfacePatch> sleeves;
-    if (balls.empty()) return sleeves;
+double tubeEnd(const Mesh& mesh, const StraightTube& tube) {
+    std::vector<uint8_t> used(mesh.vertexCount(), 0);
+    for (const Triangle& t : mesh.triangles)
+        for (const uint32_t v : t) used[v] = 1;
+    constexpr double piece = 1.5, near = 4, outer = 2.2, mostOn = 0.7;  // radii; of the vertices
+    constexpr size_t mostPieces = 200;
+    std::vector<std::array<uint32_t, 2>> counts(mostPieces, {0, 0});
+    for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+        const DVec3 p(mesh.positions[v]);
+        const double along = (tube.at(p) - tube.from) / (piece * tube.radius);
+        if (!used[v] || !(along >= 0 && along < double(mostPieces)) || tube.off(p) > near * tube.radius) continue;
+        auto& [all, on] = counts[size_t(along)];
+        ++all;
+        on += tube.off(p) < outer * tube.radius;
+    }
+    size_t whole = 0;
+    while (whole < mostPieces && counts[whole][0] > 0 && counts[whole][1] > mostOn * counts[whole][0]) ++whole;
+    return tube.from + double(whole) * piece * tube.radius;
+}
+
+SurfacePatch sleeveOf(const Mesh& mesh, const BallStand& stand) {
+    double from = stand.tube.from;
+    for (const uint32_t t : stand.bag)
+        for (const uint32_t v : mesh.triangles[t]) from = std::max(from, stand.tube.at(DVec3(mesh.positions[v])));
+    SurfacePatch patch = sideOf(stand.tube, stand.centre, stand.ball, from, 1e30);
+    patch.replaced = stand.bag;
+    return patch;
+}
+
+SurfacePatch wholeStandOf(const Mesh& mesh, const BallStand& stand, const StraightTube& measured) {
+    constexpr double around = 2.2;  // radii: meshes bend posts by their radius
+    const double radius = around * std::max(stand.tube.radius, measured.radius);
+    SurfacePatch patch =
+        sideOf(measured, stand.centre, stand.ball, measured.to + 1.5 * measured.radius, 2 * measured.radius);
+    patch.replaced = stand.bag;
+    const double above = measured.at(stand.centre);
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        if (std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](uint32_t v) {
+                const DVec3 p(mesh.positions[v]);
+                const double along = measured.at(p);
+                return along > above && along < measured.to && measured.off(p) < radius;
+            }))
+            patch.replaced.push_back(t);
+    std::sort(patch.replaced.begin(), patch.replaced.end());
+    patch.replaced.erase(std::unique(patch.replaced.begin(), patch.replaced.end()), patch.replaced.end());
+    return patch;
+}
+
+std::vector<BallStand> ballStands(const Mesh& mesh, const std::vector<ProxyLight>& balls) {
+    std::vector<BallStand> stands;
+    if (balls.empty()) return stands;
     const std::vector<uint8_t> rim = rimVertices(mesh);
     for (const ProxyLight& ball : balls) {
         const double radius = double(ball.radius);
@@ -130,7 +218,7 @@ std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLi
             }
         for (uint32_t k = 0; k < count; ++k) {
             if (!ends[k]) continue;
-            const std::optional<Tube> tube = tubeOf(points[k], ball.centre, radius);
+            std::optional<StraightTube> tube = tubeOf(points[k], ball.centre, radius);
             if (!tube) continue;
             std::vector<uint32_t> bag;
             for (size_t i = 0; i < number.size(); ++i) {
@@ -139,10 +227,11 @@ std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLi
                     std::any_of(t.begin(), t.end(), [&](uint32_t v) { return distance(v) < bagsTo * radius; }))
                     bag.push_back(number[i]);
             }
-            sleeves.push_back(sleeveOf(mesh, bag, *tube, ball.centre, radius));
+            tube->to = tubeEnd(mesh, *tube);
+            stands.push_back({*tube, ball.centre, radius, std::move(bag)});
         }
     }
-    return sleeves;
+    return stands;
 }
 
 }  // namespace relamp

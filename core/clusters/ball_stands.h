@@ -4,15 +4,32 @@
 #pragma once
 #include "capture/proxy_light.h"
 #include "radiance/round_sheets.h"
+#include "scene/straight_tube.h"
 
 namespace relamp {
 
-/// Round sleeves from stands into their balls. A stand is what of the mesh, which is without the triangles that the
-/// balls replaced, ends within a radius of a ball and goes away from it as a thin tube: of one radius within 35 %, all
-/// around, along an axis through the ball. A sleeve has the radius of the tube where it is whole, the upper quartile,
-/// because meshes make some thin tubes thinner. It replaces what is left of the mesh within half a radius of the ball:
-/// the neck of the bag that wrapped ball and stand, which is wider than the stand and hides light from the ground.
-/// O(balls x vertices).
-std::vector<SurfacePatch> ballStands(const Mesh& mesh, const std::vector<ProxyLight>& balls);
+/// What holds a ball of light.
+struct BallStand {
+    StraightTube tube;          ///< as the mesh has it, away from the ball; `from`: where it is whole
+    DVec3 centre{0};            ///< of the ball
+    double ball = 0;            ///< its radius, metres
+    std::vector<uint32_t> bag;  ///< triangles within half a radius of the ball: the neck of the bag that wrapped both
+};
+
+/// Stands of balls. A stand is what of the mesh, which is without the triangles that the balls replaced, ends within a
+/// radius of a ball and goes away from it as a thin tube: of one radius within 35 %, all around, along an axis through
+/// the ball. The tube's radius is the upper quartile, because meshes make some thin tubes thinner. O(balls x vertices).
+std::vector<BallStand> ballStands(const Mesh& mesh, const std::vector<ProxyLight>& balls);
+
+/// How far a mesh is a tube about the axis, metres along it from `from` on: in pieces of one and a half radii most
+/// vertices within four radii of the axis lie within 2.2. O(triangles).
+double tubeEnd(const Mesh& mesh, const StraightTube& tube);
+
+/// A round sleeve from the ball's inside to where the tube is whole, in place of the bag, which is wider than the stand
+/// and hides light from the ground.
+SurfacePatch sleeveOf(const Mesh& mesh, const BallStand& stand);
+
+/// The whole stand as photographs show it (fitTube), in place of the mesh's.
+SurfacePatch wholeStandOf(const Mesh& mesh, const BallStand& stand, const StraightTube& measured);
 
 }  // namespace relamp

@@ -340,6 +340,54 @@ Scraps scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSa
     return found;
 }
 
+std::optional<DVec3> FlatGround::levelled(const DVec3& point, const EmitterBody& body) const {
+    const double height = glm::dot(point, normal) - offset, left = reach - body.distance(point);
+    if (!(std::abs(height) > 1e-4 * reach) || !(std::abs(height) < left / 2)) return {};
+    return point - height * normal;
+}
+
+std::optional<FlatGround> flatGround(const Scene& scene, const EmitterBody& body, const std::set<uint32_t>& removed) {
+    constexpr double nearest = 0.01, farthest = 0.03, inPlane = 2e-5, standsOn = 0.004;  // of the diagonal
+    constexpr float sameWay = 0.999f;
+    constexpr size_t least = 30, trials = 48;
+    constexpr double fillet = 4;  // spacings of vertices
+    const double diagonal = double(scene.diagonal);
+    std::vector<uint8_t> used(scene.mesh.vertexCount(), 0);
+    for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t)
+        for (const uint32_t v : scene.mesh.triangles[t]) used[v] |= removed.count(t) == 0;
+    std::vector<uint32_t> about;
+    for (uint32_t v = 0; v < used.size(); ++v) {
+        if (!used[v]) continue;
+        const double distance = body.distance(DVec3(scene.mesh.positions[v])) / diagonal;
+        if (distance > nearest && distance < farthest) about.push_back(v);
+    }
+    FlatGround best;
+    size_t most = 0;
+    std::vector<float> spacing;
+    for (size_t k = 0; k < trials && !about.empty(); ++k) {
+        const uint32_t seed = about[(2 * k + 1) * about.size() / (2 * trials)];
+        const Vec3 normal = scene.mesh.normals[seed];
+        const DVec3 unit = glm::normalize(DVec3(normal));
+        const double offset = glm::dot(unit, DVec3(scene.mesh.positions[seed]));
+        std::vector<float> on;
+        for (const uint32_t v : about)
+            if (std::abs(glm::dot(unit, DVec3(scene.mesh.positions[v])) - offset) < inPlane * diagonal &&
+                glm::dot(scene.mesh.normals[v], normal) > sameWay)
+                on.push_back(scene.vertexSpacing[v]);
+        if (on.size() <= most) continue;
+        most = on.size();
+        best = {unit, offset, 0};
+        spacing = std::move(on);
+    }
+    if (most < std::max(least, about.size() / 4)) return {};
+    // Of the body, what lies deepest.
+    double lowest = glm::dot(body.centre, best.normal);
+    for (int k = 0; k < 3; ++k) lowest -= body.half[k] * std::abs(glm::dot(body.axes[k], best.normal));
+    if (std::abs(lowest - best.offset) > standsOn * diagonal) return {};
+    best.reach = fillet * double(medianOf(std::move(spacing)));
+    return best;
+}
+
 void groundUnder(const Scene& scene, const EmitterBody& body, double reach, const std::set<uint32_t>& removed,
                  std::vector<Vec3>& positions, std::vector<Triangle>& triangles) {
     // Edges of what is removed that another triangle has the other way round: the border, as the fan runs along it.

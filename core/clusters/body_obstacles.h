@@ -1,6 +1,7 @@
 // The mesh in the place of a body of light: what goes, and what stays behind it. Inner part of the clusters, not a
 // door.
 #pragma once
+#include <optional>
 #include <set>
 
 #include "capture/mesh_mend.h"
@@ -51,6 +52,20 @@ struct Scraps {
 Scraps scrapsBehind(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                     const std::vector<EmitterOutline>& outlines, const EmitterBody& body,
                     const std::set<uint32_t>& removed);
+
+/// The flat surface that a body stands on or hangs at, where meshes round the corner between the two. The fillet hides
+/// the body's lowest part, and with it 3 to 5 % of its light.
+struct FlatGround {
+    DVec3 normal{0};    ///< unit, away from the ground
+    double offset = 0;  ///< metres: of the plane along the normal
+    double reach = 0;   ///< metres from the body to where fillets end
+    /// The point on the plane, if it is of the fillet: no farther from the plane than half of what the reach leaves.
+    std::optional<DVec3> levelled(const DVec3& point, const EmitterBody& body) const;
+};
+
+/// None where the triangles about the body, without `removed`, have no flat surface by the body's side: a quarter of
+/// their vertices in one plane. Reconstructions that were not flattened have none. O(vertices about it).
+std::optional<FlatGround> flatGround(const Scene& scene, const EmitterBody& body, const std::set<uint32_t>& removed);
 
 /// Fans of triangles over the borders that are left where `removed` triangles met others within `reach` metres of the
 /// body: the ground that a standing light hid. Triangles of `positions`; corners are copies of the mesh's.

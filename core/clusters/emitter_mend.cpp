@@ -286,12 +286,23 @@ EmitterReplacement replacedBy(const EmitterBody& body, const Scene& scene, const
                 scraps.sure.size(), scraps.doubtful.size());
         removed.insert(scraps.sure.begin(), scraps.sure.end());
         double reach = groundReach * double(scene.diagonal);
+        const std::optional<FlatGround> flat = flatGround(scene, body, removed);
         const auto placeNow = [&] {
             EmitterReplacement::Place place;
             place.removed.assign(removed.begin(), removed.end());
             groundUnder(scene, body, reach, removed, place.ground, place.groundTriangles);
+            for (Vec3& p : place.ground)
+                if (const auto level = flat ? flat->levelled(DVec3(p), body) : std::nullopt) p = Vec3(*level);
             return place;
         };
+        for (uint32_t v = 0; v < scene.mesh.vertexCount() && flat; ++v)
+            if (const auto level = flat->levelled(DVec3(scene.mesh.positions[v]), body))
+                r.setBack.push_back({v, Vec3(*level)});
+        if (flat) {
+            r.level = Vec3(flat->normal);
+            logInfo("the body stands on a flat surface: {} vertices within {:.1f} mm of it are on that plane",
+                    r.setBack.size(), 1000 * flat->reach);
+        }
         r.place = placeNow();
         std::set<uint32_t> bag;
         for (const uint32_t t : scraps.doubtful)

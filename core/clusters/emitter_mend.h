@@ -32,7 +32,9 @@ struct EmitterReplacement {
     Place place;
     Place whole;                                 ///< with `bag`
     std::vector<uint32_t> bag;                   ///< vertices behind the body that may be there or not, ascending
-    std::vector<MeshMend::MovedVertex> setBack;  ///< a ridge's vertices, on the surface behind it
+    std::vector<MeshMend::MovedVertex> setBack;  ///< vertices of a ridge, or of a fillet about the body, on the
+                                                 ///< surface behind it
+    Vec3 level{0};                               ///< that surface's normal where it is flat, else 0
     uint32_t first = 0;                          ///< vertex of the scene, where the body is in it
     EmitterMove was;                             ///< without vertices: what it is judged by
     EmitterCluster light;                        ///< what photographs show of it

@@ -7,10 +7,13 @@
 namespace relamp {
 
 std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const RadianceSamples& samples,
-                                                    const EmitterClusters& emitters) {
+                                                    const EmitterClusters& emitters, size_t given) {
     std::vector<std::vector<uint32_t>> suspects;
-    for (const RejectedPatch& patch : emitters.rejected)
-        if (!patch.besideBall.empty()) suspects.push_back(patch.besideBall);
+    for (const RejectedPatch& patch : emitters.rejected) {
+        std::vector<uint32_t> beside = patch.besideBall;
+        std::erase_if(beside, [&](uint32_t v) { return v >= given; });
+        if (!beside.empty()) suspects.push_back(std::move(beside));
+    }
     for (const EmitterCluster& e : emitters.emitters) {
         if (!e.fitted) continue;
         const float radius = std::sqrt(e.area / (4 * pi));
@@ -21,7 +24,7 @@ std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const Ra
         };
         const auto within = [&](float reach, bool shiningToo) {
             std::vector<uint32_t> found;
-            for (uint32_t v = 0; v < scene.mesh.vertexCount(); ++v)
+            for (uint32_t v = 0; v < std::min(given, scene.mesh.vertexCount()); ++v)
                 if (scene.referenced[v] && (samples.countOf(v) == 0 || (shiningToo && shines(v))) &&
                     emitters.emitterOfVertex[v] < 0 &&
                     glm::length(scene.mesh.positions[v] - e.centroid) < reach * radius)

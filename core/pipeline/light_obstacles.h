@@ -25,7 +25,8 @@ bool openBags(const Scene& scene, const RadianceSamples& samples, const EmitterC
 /// Suspects beside fitted balls. Patches that shine so brightly that the ball's light on them must explain it: a
 /// reconstruction stretches a skin over the opening of a shade, and on it stands what is seen through it. Surface near
 /// the ball that no photograph shows, and what lies on the ball and shines as it does: the reconstruction's own bulb.
+/// Vertices from `given` on are none: mends added them, such as a stand's sleeve, for reasons of their own.
 std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const RadianceSamples& samples,
-                                                    const EmitterClusters& emitters);
+                                                    const EmitterClusters& emitters, size_t given);
 
 }  // namespace relamp

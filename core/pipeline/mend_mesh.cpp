@@ -2,7 +2,6 @@
 
 #include "base/log.h"
 #include "base/statistics.h"
-#include "clusters/ball_stands.h"
 #include "clusters/emitter_mend.h"
 #include "clusters/shining_sides.h"
 #include "pipeline/complete_lights.h"
@@ -10,6 +9,7 @@
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
 #include "pipeline/sharpen_creases.h"
+#include "pipeline/stand_mend.h"
 #include "radiance/back_sides.h"
 #include "radiance/crossed_sheets.h"
 #include "radiance/cut_surfaces.h"
@@ -156,15 +156,10 @@ public:
         add(found.removed, mend_.removed);
         Mesh left = file_;
         applyMend(mend_, left);
-        const std::vector<SurfacePatch> sleeves = ballStands(left, found.balls);
-        std::vector<uint32_t> necks;
-        for (const SurfacePatch& sleeve : sleeves) {
-            necks.insert(necks.end(), sleeve.replaced.begin(), sleeve.replaced.end());
-            found.words.push_back(
-                "what holds a ball of light ended before it, or wrapped it: it reaches into the ball");
-        }
-        add(necks, mend_.removed);
-        for (const SurfacePatch& sleeve : sleeves) addPatch(sleeve);
+        const MendedStands stands = mendStands(left, found.balls, capture_, *prepared_.scene, darkness());
+        found.words.insert(found.words.end(), stands.words.begin(), stands.words.end());
+        add(stands.replaced, mend_.removed);
+        for (const SurfacePatch& stand : stands.surfaces) addPatch(stand);
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;
@@ -209,7 +204,8 @@ public:
     void openShades(EmitterMend& found) {
         const std::vector<uint32_t> obstacles = falseObstacles(
             *prepared_.scene, *prepared_.samples, prepared_.clusters,
-            obstacleSuspects(*prepared_.scene, *prepared_.samples, prepared_.clusters), options_.solve, progress_);
+            obstacleSuspects(*prepared_.scene, *prepared_.samples, prepared_.clusters, file_.vertexCount()),
+            options_.solve, progress_);
         if (obstacles.empty()) return;
         const std::vector<uint8_t> isLight = verticesOf(*prepared_.scene, {&prepared_.clusters.emitters});
         std::vector<uint32_t> filling = obstacles;
@@ -411,7 +407,11 @@ private:
                 mend_.shining.push_back(r.first + v);
         addPatch(surface);
         addPatch({r.place.ground, r.place.groundTriangles, {}, 0});
-        mend_.moved.insert(mend_.moved.end(), r.setBack.begin(), r.setBack.end());
+        for (const MeshMend::MovedVertex& m : r.setBack)
+            if (m.vertex < file_.vertexCount()) {
+                mend_.moved.push_back(m);
+                if (r.level != Vec3(0)) mend_.turned.push_back({m.vertex, r.level});
+            }
         mend_.removed.insert(mend_.removed.end(), r.place.removed.begin(), r.place.removed.end());
         std::sort(mend_.removed.begin(), mend_.removed.end());
         mend_.removed.erase(std::unique(mend_.removed.begin(), mend_.removed.end()), mend_.removed.end());

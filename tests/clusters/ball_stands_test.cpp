@@ -14,6 +14,12 @@ namespace {
 const Vec3 ballCentre(0.1f, -0.2f, 0.5f);
 constexpr float ballRadius = 0.03f;
 
+std::vector<SurfacePatch> sleevesOf(const Mesh& mesh, const std::vector<ProxyLight>& balls) {
+    std::vector<SurfacePatch> sleeves;
+    for (const BallStand& stand : ballStands(mesh, balls)) sleeves.push_back(sleeveOf(mesh, stand));
+    return sleeves;
+}
+
 std::vector<ProxyLight> oneBall() {
     ProxyLight ball;
     ball.centre = DVec3(ballCentre);
@@ -48,7 +54,7 @@ Mesh postAt(const Vec3& down) {
 
 TEST(BallStands, APostReachesTheBallWithItsWholeRadius) {
     for (const Vec3& down : {Vec3(0, 0, -1), Vec3(0, 0, 1), glm::normalize(Vec3(1, 1, -1))}) {
-        const std::vector<SurfacePatch> sleeves = ballStands(postAt(down), oneBall());
+        const std::vector<SurfacePatch> sleeves = sleevesOf(postAt(down), oneBall());
         ASSERT_EQ(sleeves.size(), 1u);
         const SurfacePatch& sleeve = sleeves[0];
         float nearest = 1, farthest = 0;
@@ -76,7 +82,7 @@ TEST(BallStands, TheNeckOfABagGoesAndIsNoPartOfThePost) {
     // Wider towards the ball, as a surface that wrapped both is; the ball took the rest of it.
     const Mesh mesh = rings(0.02f, 0.3f, Vec3(0, 0, -1),
                             [](float below) { return below < 0.045f ? 0.01f + 0.8f * (0.045f - below) : 0.01f; });
-    const std::vector<SurfacePatch> sleeves = ballStands(mesh, oneBall());
+    const std::vector<SurfacePatch> sleeves = sleevesOf(mesh, oneBall());
     ASSERT_EQ(sleeves.size(), 1u);
     for (const Vec3& p : sleeves[0].positions) EXPECT_NEAR(glm::length(Vec2(p - ballCentre)), 0.01f, 5e-4f);
     float wrapped = 0, below = 0;
@@ -93,6 +99,42 @@ TEST(BallStands, TheNeckOfABagGoesAndIsNoPartOfThePost) {
     float reaches = 0;
     for (const Vec3& p : sleeves[0].positions) reaches = std::max(reaches, ballCentre.z - p.z);
     EXPECT_GT(reaches, 1.5f * ballRadius) << "no gap is left";
+}
+
+TEST(BallStands, APostOfWhichTheMeshLacksASideIsStillOne) {
+    // Short as far as it is looked at, and uneven: the longest spread of its points is not along it.
+    Mesh mesh = rings(0.04f, 0.075f, Vec3(0, 0, -1), [](float) { return 0.02f; });
+    std::erase_if(mesh.triangles, [&](const Triangle& t) { return mesh.positions[t[0]].x > ballCentre.x + 0.012f; });
+    const std::vector<BallStand> stands = ballStands(mesh, oneBall());
+    ASSERT_EQ(stands.size(), 1u);
+    EXPECT_NEAR(stands[0].tube.radius, 0.02, 0.001);
+    EXPECT_LT(stands[0].tube.axes[0].z, -0.99);
+    EXPECT_LT(stands[0].tube.off(DVec3(ballCentre)), 0.005);
+}
+
+TEST(BallStands, AWholeStandTakesThePlaceOfTheMeshsDownToTheFloor) {
+    Mesh mesh = postAt(Vec3(0, 0, -1));
+    const auto own = mesh.triangles.size();
+    test::append(mesh, test::sheet(ballCentre + Vec3(-0.1f, -0.1f, -0.3f), {0.2f, 0, 0}, {0, 0.2f, 0}, 40, 40));
+    const std::vector<BallStand> stands = ballStands(mesh, oneBall());
+    ASSERT_EQ(stands.size(), 1u);
+    StraightTube measured = stands[0].tube;
+    measured.radius = 0.009;
+    measured.through.x += 0.004;
+    EXPECT_NEAR(tubeEnd(mesh, measured), measured.at(DVec3(ballCentre)) + 0.3, 2 * measured.radius);
+    const SurfacePatch stand = wholeStandOf(mesh, stands[0], measured);
+    float lowest = 1, highest = -1;
+    for (const Vec3& p : stand.positions) {
+        EXPECT_NEAR(measured.off(DVec3(p)), 0.009, 1e-6);
+        lowest = std::min(lowest, p.z - ballCentre.z);
+        highest = std::max(highest, p.z - ballCentre.z);
+    }
+    EXPECT_GT(highest, -ballRadius) << "it reaches into the ball";
+    EXPECT_LT(lowest, -0.29f) << "and down to the floor";
+    EXPECT_TRUE(std::is_sorted(stand.replaced.begin(), stand.replaced.end()));
+    const auto ofFloor = stand.replaced.end() - std::lower_bound(stand.replaced.begin(), stand.replaced.end(), own);
+    EXPECT_EQ(ofFloor, 0);
+    EXPECT_GT(stand.replaced.size(), own * 9 / 10);
 }
 
 TEST(BallStands, WhatIsNoPostStaysAsItIs) {

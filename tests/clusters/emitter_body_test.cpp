@@ -325,5 +325,45 @@ TEST(BodyObstacles, TheGroundUnderAStandingLightIsClosed) {
     groundUnder(scene, standing, 0.01, removed, none.positions, none.triangles);
     EXPECT_TRUE(none.triangles.empty());
 }
+
+TEST(BodyObstacles, AFilletAboutAStandingLightLiesOnTheFlatGround) {
+    // As a mesh rounds the corner between a box of 0.3 m and the floor; a thing stands a little off.
+    EmitterBody box;
+    box.centre = DVec3(0, 0, 0.15);
+    box.half = DVec3(0.15);
+    const auto heightAt = [&](const Vec3& p) {
+        const double away = box.distance(DVec3(p.x, p.y, 0.1));
+        return away > 0 && away < 0.03 ? float(0.4 * (0.03 - away)) : 0.0f;
+    };
+    Mesh mesh = test::sheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 160, 160);
+    for (Vec3& p : mesh.positions) p.z = heightAt(p);
+    const auto floorVertices = mesh.vertexCount();
+    test::append(mesh, test::box({0.2f, 0, 0}, {0.3f, 0.1f, 0.1f}, 4));
+    mesh.normals = vertexNormalsFromFaces(mesh);
+    const Scene scene = test::sceneOf(mesh);
+    const std::optional<FlatGround> ground = flatGround(scene, box, {});
+    ASSERT_TRUE(ground);
+    EXPECT_GT(ground->normal.z, 0.9999);
+    size_t raised = 0;
+    for (uint32_t v = 0; v < mesh.vertexCount(); ++v) {
+        const Vec3 p = mesh.positions[v];
+        const std::optional<DVec3> level = ground->levelled(DVec3(p), box);
+        if (v < floorVertices && p.z > 1e-4f && std::max(std::abs(p.x), std::abs(p.y)) > 0.15f) {
+            ++raised;
+            ASSERT_TRUE(level) << p.x << " " << p.y << " " << p.z;
+            EXPECT_NEAR(level->z, 0, 1e-5);
+        } else if (v >= floorVertices) {
+            EXPECT_FALSE(level && level->z < double(p.z) - 0.02) << "no thing beside the light is pressed flat";
+        }
+    }
+    EXPECT_GT(raised, 150u);
+    // A wavy floor is none, nor is one that the light hangs over.
+    Mesh wavy = mesh;
+    for (uint32_t v = 0; v < floorVertices; ++v) wavy.positions[v].z += 0.002f * std::sin(40 * wavy.positions[v].x);
+    EXPECT_FALSE(flatGround(test::sceneOf(wavy), box, {}));
+    EmitterBody hanging = box;
+    hanging.centre.z = 0.2;
+    EXPECT_FALSE(flatGround(scene, hanging, {}));
+}
 }  // namespace
 }  // namespace relamp
