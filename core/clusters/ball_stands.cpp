@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/coordinate_search.h"
 #include "base/statistics.h"
 #include "scene/rim.h"
 
@@ -52,21 +53,7 @@ void fitAxis(const std::vector<DVec3>& points, double ball, StraightTube& tube) 
         return loss;
     };
     AxisMotion best{};
-    double least = lossOf(best);
-    for (double step = 0.2; step > 0.005; step /= 2)
-        for (bool better = true; better;) {
-            better = false;
-            for (size_t k = 0; k < best.size(); ++k)
-                for (const double sign : {-1.0, 1.0}) {
-                    AxisMotion tried = best;
-                    tried[k] += sign * step;
-                    if (const double loss = lossOf(tried); loss < least - 1e-9) {
-                        least = loss;
-                        best = tried;
-                        better = true;
-                    }
-                }
-        }
+    coordinateSearch(best, lossOf(best), 0.2, 0.005, lossOf);
     tube = withAxis(tube, best, ball);
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "base/coordinate_search.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "capture/view_pixels.h"
@@ -165,24 +167,14 @@ double lossOf(const Capture& capture, const std::vector<TubeProfile>& profiles, 
 BlurredTube searched(const Capture& capture, const std::vector<TubeProfile>& profiles, const BlurredTube& start,
                      double& least) {
     TubeMotion best{};
-    least = lossOf(capture, profiles, start);
-    for (double step = 0.25; step > 0.005; step /= 2)
-        for (bool better = true; better;) {
-            better = false;
-            for (size_t k = 0; k < best.size(); ++k)
-                for (const double sign : {-1.0, 1.0}) {
-                    TubeMotion tried = best;
-                    tried[k] += sign * step;
-                    const BlurredTube there = moved(start, tried);
-                    if (std::abs(tried[k]) > 1.5 || tried[4] < -0.5 || there.blur < leastBlur || there.blur > mostBlur)
-                        continue;
-                    if (const double loss = lossOf(capture, profiles, there); loss < least - 1e-9) {
-                        least = loss;
-                        best = tried;
-                        better = true;
-                    }
-                }
-        }
+    least = coordinateSearch(best, lossOf(capture, profiles, start), 0.25, 0.005, [&](const TubeMotion& tried) {
+        constexpr double never = std::numeric_limits<double>::infinity();
+        for (const double by : tried)
+            if (std::abs(by) > 1.5) return never;
+        const BlurredTube there = moved(start, tried);
+        if (tried[4] < -0.5 || there.blur < leastBlur || there.blur > mostBlur) return never;
+        return lossOf(capture, profiles, there);
+    });
     return moved(start, best);
 }
 
