@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "base/box.h"
 #include "base/random.h"
 #include "scene/rim.h"
 
@@ -15,6 +16,7 @@ constexpr float largerBy = 10;       // in area
 constexpr float partOfRim = 0.25f;   // of the smaller surface's
 constexpr size_t leastOfRim = 10;    // vertices
 constexpr float rimsApart = 0.003f;  // of the diagonal, at most
+constexpr float alongSide = 0.2f;    // of the larger surface's diagonal: a foot in a hole is no side
 
 }  // namespace
 
@@ -23,8 +25,12 @@ std::vector<uint32_t> joinedMaterials(const Scene& scene) {
     for (uint32_t m = 0; m < joined.size(); ++m) joined[m] = m;
     if (scene.materials < 2) return joined;
     std::vector<double> area(scene.materials, 0);
-    for (size_t t = 0; t < scene.mesh.triangles.size(); ++t)
+    std::vector<Box> extent(scene.materials);
+    for (size_t t = 0; t < scene.mesh.triangles.size(); ++t) {
+        for (const uint32_t v : scene.mesh.triangles[t])
+            extent[scene.material[v]].grow(scene.mesh.positions[v] * scene.axes);
         area[scene.material[scene.mesh.triangles[t][0]]] += double(scene.mesh.triangleArea(t));
+    }
     const float cell = rimsApart * scene.diagonal;
     const auto keyOf = [&](const Vec3& p, int dx, int dy, int dz) {
         const auto at = [&](float x, int d) { return uint64_t(int64_t(std::floor(x / cell)) + d); };
@@ -38,7 +44,11 @@ std::vector<uint32_t> joinedMaterials(const Scene& scene) {
             buckets[keyOf(scene.mesh.positions[v], 0, 0, 0)].push_back(v);
             ++ofRim[scene.material[v]];
         }
-    std::map<std::pair<uint32_t, uint32_t>, size_t> touching;  // vertices of the smaller's rim
+    struct Touch {
+        size_t count = 0;  ///< vertices of the smaller's rim
+        Box box;           ///< about them
+    };
+    std::map<std::pair<uint32_t, uint32_t>, Touch> touching;
     std::vector<uint32_t> near;
     for (uint32_t v = 0; v < rim.size(); ++v) {
         if (!rim[v]) continue;
@@ -54,13 +64,19 @@ std::vector<uint32_t> joinedMaterials(const Scene& scene) {
         }
         std::sort(near.begin(), near.end());
         near.erase(std::unique(near.begin(), near.end()), near.end());
-        for (const uint32_t other : near) ++touching[{own, other}];
+        for (const uint32_t other : near) {
+            Touch& touch = touching[{own, other}];
+            ++touch.count;
+            touch.box.grow(scene.mesh.positions[v] * scene.axes);
+        }
     }
     std::vector<size_t> most(scene.materials, 0);
-    for (const auto& [pair, count] : touching) {
+    for (const auto& [pair, touch] : touching) {
         const auto [own, other] = pair;
-        if (count < leastOfRim || float(count) < partOfRim * float(ofRim[own]) || count <= most[own]) continue;
-        most[own] = count;
+        if (touch.count < leastOfRim || float(touch.count) < partOfRim * float(ofRim[own]) ||
+            touch.count <= most[own] || touch.box.diagonal() < alongSide * extent[other].diagonal())
+            continue;
+        most[own] = touch.count;
         joined[own] = other;
     }
     return joined;

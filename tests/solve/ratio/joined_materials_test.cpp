@@ -30,6 +30,20 @@ TEST(JoinedMaterials, ANarrowSideGoesWithTheSurfaceAtWhoseRimItBegins) {
     EXPECT_EQ(joinedMaterials(apart)[side], side);
 }
 
+TEST(JoinedMaterials, AFootInAHoleOfTheFloorIsOfItsOwn) {
+    Mesh mesh = test::sheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 160, 160);
+    std::erase_if(mesh.triangles, [&](const Triangle& t) {
+        const Vec3 middle = (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0f;
+        return std::abs(middle.x - 0.5f) < 0.05f && std::abs(middle.y - 0.5f) < 0.05f;
+    });
+    for (const int side : {-1, 1})
+        test::append(mesh, test::sheet({0.5f + 0.049f * float(side), 0.45f, 0}, {0, 0.1f, 0}, {0, 0, 0.05f}, 16, 4));
+    mesh.normals = vertexNormalsFromFaces(mesh);
+    const Scene scene = test::sceneOf(mesh);
+    const std::vector<uint32_t> joined = joinedMaterials(scene);
+    for (uint32_t m = 0; m < joined.size(); ++m) EXPECT_EQ(joined[m], m);
+}
+
 TEST(JoinedMaterials, PairsTieTheSideToTheTop) {
     // Nothing else does where light reaches the side alone.
     const Scene scene = table(0.002f);
