@@ -66,7 +66,7 @@ std::optional<StraightTube> tubeOf(const std::vector<DVec3>& points, const DVec3
     StraightTube tube;
     tube.through = centre;
     tube.axes = glm::dmat3(frameAround(Vec3(glm::normalize(middle - centre))));
-    std::swap(tube.axes[0], tube.axes[2]);
+    std::swap(tube.axes[0], tube.axes[2]);  // left-handed until fitAxis
     fitAxis(points, ball, tube);
     if (glm::dot(tube.axes[0], middle - centre) < leastAway * glm::length(middle - centre)) return {};
     if (tube.off(centre) > offCentre * ball) return {};

@@ -156,7 +156,7 @@ public:
         add(found.removed, mend_.removed);
         Mesh left = file_;
         applyMend(mend_, left);
-        const MendedStands stands = mendStands(left, found.balls, capture_, *prepared_.scene, darkness());
+        const MendedStands stands = mendStands(left, found.balls, capture_, *prepared_.scene, darkness(), progress_);
         found.words.insert(found.words.end(), stands.words.begin(), stands.words.end());
         add(stands.replaced, mend_.removed);
         for (const SurfacePatch& stand : stands.surfaces) addPatch(stand);

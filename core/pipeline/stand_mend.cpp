@@ -9,13 +9,13 @@ namespace {
 
 /// Where photographs show a tube of the mesh; the truer its axis, the farther the mesh is seen to follow it.
 std::optional<StraightTube> measuredStand(const Mesh& mesh, const StraightTube& tube, const Capture& capture,
-                                          const Scene& scene, float floor) {
-    std::optional<StraightTube> measured = fitTube(capture, scene, tube, floor);
+                                          const Scene& scene, float floor, const Progress& progress) {
+    std::optional<StraightTube> measured = fitTube(capture, scene, tube, floor, progress);
     for (int round = 0; round < 3 && measured; ++round) {
         StraightTube farther = *measured;
         farther.to = tubeEnd(mesh, farther);
         if (!(farther.to > measured->to + measured->radius)) break;
-        const std::optional<StraightTube> again = fitTube(capture, scene, farther, floor);
+        const std::optional<StraightTube> again = fitTube(capture, scene, farther, floor, progress);
         if (!again) break;
         measured = again;
     }
@@ -25,10 +25,10 @@ std::optional<StraightTube> measuredStand(const Mesh& mesh, const StraightTube& 
 }  // namespace
 
 MendedStands mendStands(const Mesh& mesh, const std::vector<ProxyLight>& balls, const Capture& capture,
-                        const Scene& scene, float floor) {
+                        const Scene& scene, float floor, const Progress& progress) {
     MendedStands mended;
     for (const BallStand& stand : ballStands(mesh, balls)) {
-        const auto measured = measuredStand(mesh, stand.tube, capture, scene, floor);
+        const auto measured = measuredStand(mesh, stand.tube, capture, scene, floor, progress);
         mended.surfaces.push_back(measured ? wholeStandOf(mesh, stand, *measured) : sleeveOf(mesh, stand));
         const std::vector<uint32_t>& replaced = mended.surfaces.back().replaced;
         mended.replaced.insert(mended.replaced.end(), replaced.begin(), replaced.end());

@@ -165,10 +165,11 @@ double lossOf(const Capture& capture, const std::vector<TubeProfile>& profiles, 
 
 /// The best tube within one and a half radii of `tube`. `least`: what it leaves.
 BlurredTube searched(const Capture& capture, const std::vector<TubeProfile>& profiles, const BlurredTube& start,
-                     double& least) {
+                     double& least, const Progress& progress) {
     TubeMotion best{};
     least = coordinateSearch(best, lossOf(capture, profiles, start), 0.25, 0.005, [&](const TubeMotion& tried) {
         constexpr double never = std::numeric_limits<double>::infinity();
+        progress.check();
         for (const double by : tried)
             if (std::abs(by) > 1.5) return never;
         const BlurredTube there = moved(start, tried);
@@ -180,8 +181,8 @@ BlurredTube searched(const Capture& capture, const std::vector<TubeProfile>& pro
 
 }  // namespace
 
-std::optional<StraightTube> fitTube(const Capture& capture, const Scene& scene, const StraightTube& start,
-                                    float floor) {
+std::optional<StraightTube> fitTube(const Capture& capture, const Scene& scene, const StraightTube& start, float floor,
+                                    const Progress& progress) {
     const double length = start.to - start.from;
     const auto places = size_t(std::clamp(2 * length / start.radius, 4.0, double(mostPlaces)));
     std::vector<TubeProfile> profiles;
@@ -198,7 +199,7 @@ std::optional<StraightTube> fitTube(const Capture& capture, const Scene& scene, 
                     profiles.push_back(std::move(*p));
         if (profiles.size() < leastProfiles) return {};
         before = lossOf(capture, profiles, model);
-        model = searched(capture, profiles, model, least);
+        model = searched(capture, profiles, model, least, progress);
     }
     double other = 1e30;
     for (const double factor : {otherRadius, 1 / otherRadius}) {

@@ -58,21 +58,30 @@ StraightTube inMesh() {
 }
 
 TEST(TubeFit, FindsThePostThatPhotographsShow) {
+    Progress progress;
     const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -0.01f}, {0.4f, 0, 0}, {0, 0.4f, 0}, 4, 4));
-    const auto found = fitTube(photographs(1), scene, inMesh(), 1e-3f);
+    const auto found = fitTube(photographs(1), scene, inMesh(), 1e-3f, progress);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->radius, 0.01, 0.0003);  // a tenth of a pixel
     for (const double along : {0.02, 0.23}) EXPECT_LT(post(0.01).off(found->onAxis(along)), 0.0003) << along;
 }
 
 TEST(TubeFit, WhatPhotographsDoNotShowStaysAsItIs) {
+    Progress progress;
     const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -0.01f}, {0.4f, 0, 0}, {0, 0.4f, 0}, 4, 4));
     Capture even = photographs(1);
     for (View& view : even.views) std::fill(view.image.pixels.begin(), view.image.pixels.end(), Rgb(0.5f));
-    EXPECT_FALSE(fitTube(even, scene, inMesh(), 1e-3f));
+    EXPECT_FALSE(fitTube(even, scene, inMesh(), 1e-3f, progress));
     // Hidden from every camera.
     const Scene hidden = test::sceneOf(test::box({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.4f}, 2));
-    EXPECT_FALSE(fitTube(photographs(1), hidden, inMesh(), 1e-3f));
+    EXPECT_FALSE(fitTube(photographs(1), hidden, inMesh(), 1e-3f, progress));
+}
+
+TEST(TubeFit, EndsWhenItIsCancelled) {
+    const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -0.01f}, {0.4f, 0, 0}, {0, 0.4f, 0}, 4, 4));
+    Progress progress;
+    progress.requestStop();
+    EXPECT_THROW(fitTube(photographs(1), scene, inMesh(), 1e-3f, progress), Cancelled);
 }
 
 }  // namespace
