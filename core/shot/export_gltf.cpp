@@ -104,7 +104,8 @@ Json materialOf(const ExportedComponent& component) {
         material["pbrMetallicRoughness"] = {{"metallicFactor", surface.metallic},
                                             {"roughnessFactor", surface.roughness}};
         // Index 1.5 and full strength are what glTF assumes; a matte surface has to say that it has no coating.
-        const Rgb& tint = surface.specularColour;
+        // Blender's importer (3.4) reads the colour and not the factor.
+        const Rgb tint = surface.specular > 0 ? surface.specularColour : Rgb(0);
         material["extensions"]["KHR_materials_specular"] = {{"specularFactor", surface.specular},
                                                             {"specularColorFactor", {tint.x, tint.y, tint.z}}};
         for (const ExportedLobe& l : component.lobes)

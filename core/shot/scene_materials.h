@@ -4,10 +4,12 @@
 
 namespace relamp {
 
-/// Metallic-roughness with a specular weight, as glTF, OpenPBR and UsdPreviewSurface have it.
+/// Metallic-roughness with a specular weight, as glTF, OpenPBR and UsdPreviewSurface have it. Without gloss roughness
+/// means nothing to them, but it bends the diffuse part of Burley, "Physically Based Shading at Disney" (2012), which
+/// programs use: 1/2 is nearest to Lambert's.
 struct SurfaceMaterial {
     float metallic = 0;     ///< 0 to 1
-    float roughness = 1;    ///< 0 to 1: the root of GGX's alpha
+    float roughness = .5f;  ///< 0 to 1: the root of GGX's alpha
     float specular = 0;     ///< 0 to 1, of a dielectric of index 1.5
     Rgb specularColour{1};  ///< its largest channel is 1
     bool plain() const { return metallic == 0 && specular == 0; }

@@ -161,6 +161,8 @@ TEST_F(ExportedPrograms, GltfHasTheLobesAsAMaterialAndInFull) {
     const auto gltf = nlohmann::json::parse(gltfOf(exportedScene(relit, shot.capture), "lights.bin").json);
     const auto& matte = gltf["materials"][2];
     EXPECT_EQ(matte["extensions"]["KHR_materials_specular"]["specularFactor"], 0);
+    EXPECT_EQ(matte["extensions"]["KHR_materials_specular"]["specularColorFactor"], nlohmann::json::array({0, 0, 0}));
+    EXPECT_EQ(matte["pbrMetallicRoughness"]["roughnessFactor"], 0.5);
     EXPECT_FALSE(matte.contains("extras"));
     const auto& coated = gltf["materials"][3];
     EXPECT_NEAR(coated["extensions"]["KHR_materials_specular"]["specularFactor"].get<double>(), 0.8, 1e-6);
