@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"
+#include "radiance/free_space.h"
 #include "scene/flat_surface.h"
 
 namespace relamp {
@@ -53,7 +54,35 @@ MisfitFall agreeBetter(const Flattening& flat, int surface, const RadianceSample
     return misfitFall(before, after);
 }
 
+/// Those of skirts alone, beside `lights`: a skirt lies where the mesher put it, and would tilt the plane of what it
+/// hangs on.
+std::vector<uint8_t> withSkirts(const Capture& capture, const Scene& scene, const RadianceSamples& samples,
+                                std::vector<uint8_t> lights, Progress& progress) {
+    const std::vector<uint32_t> free = freeSpaceTriangles(scene, capture, samples, lights, progress);
+    std::vector<uint8_t> held(lights.size(), 0), hangs(lights.size(), 0);
+    for (uint32_t t = 0, next = 0; t < scene.mesh.triangles.size(); ++t) {
+        const bool inFree = next < free.size() && free[next] == t;
+        next += inFree;
+        for (const uint32_t v : scene.mesh.triangles[t]) (inFree ? hangs : held)[v] = 1;
+    }
+    for (size_t v = 0; v < lights.size(); ++v)
+        if (hangs[v] && !held[v]) lights[v] = 1;
+    return lights;
+}
+
 MisfitFall reversed(const MisfitFall& fall) { return {-fall.part, -fall.errors, fall.pairs}; }
+
+/// The flat surfaces whose waves are worth a change; `bentToo`: those as well that a skirt may have bent.
+std::vector<FlatSurface> wavySurfaces(const Scene& scene, size_t own, const std::vector<uint8_t>& leftOut,
+                                      bool bentToo) {
+    const std::vector<FlatSurface> planes = flatSurfaces(scene, leftOut);
+    const Flattening flat = flattening(scene, planes, own, leftOut);
+    std::vector<FlatSurface> wavy;
+    for (size_t s = 0; s < planes.size(); ++s)
+        if ((bentToo || flat.isFlat(s)) && flat.waves[s] > leastWaves * double(scene.diagonal))
+            wavy.push_back(planes[s]);
+    return wavy;
+}
 
 }  // namespace
 
@@ -62,13 +91,11 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
                                   const SolveOptions& options, Progress& progress) {
     const std::vector<uint8_t> lights = verticesOf(scene, {&clusters.emitters, &clusters.candidates});
     const size_t own = capture.mesh.vertexCount() - capture.proxies.size() * proxyVertices;
-    const std::vector<FlatSurface> planes = flatSurfaces(scene, lights);
-    Flattening flat = flattening(scene, planes, own, lights);
-    std::vector<FlatSurface> wavy;
-    for (size_t s = 0; s < planes.size(); ++s)
-        if (flat.isFlat(s) && flat.waves[s] > leastWaves * double(scene.diagonal)) wavy.push_back(planes[s]);
+    if (wavySurfaces(scene, own, lights, true).empty()) return {};
+    const std::vector<uint8_t> leftOut = withSkirts(capture, scene, samples, lights, progress);
+    const std::vector<FlatSurface> wavy = wavySurfaces(scene, own, leftOut, false);
     if (wavy.empty()) return {};
-    if (wavy.size() < planes.size()) flat = flattening(scene, wavy, own, lights);
+    Flattening flat = flattening(scene, wavy, own, leftOut);
 
     Mesh mesh = scene.mesh;
     applyRegistration(fixOf(flat), mesh);
@@ -97,7 +124,7 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     const bool worse = reversed(fall).exceeds(explainWorse, sureOfWorse);
     logInfo("with flat surfaces: {}{}", fall.words(), worse ? "; left as they are" : "");
     if (worse || wanted.empty()) return {};
-    if (wanted.size() < wavy.size()) flat = flattening(scene, wanted, own, lights);
+    if (wanted.size() < wavy.size()) flat = flattening(scene, wanted, own, leftOut);
     result.fix = fixOf(flat);
     return result;
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/pipeline.h"
+#include "support/before_background.h"
 #include "support/known_world.h"
 
 namespace relamp {
@@ -44,6 +45,33 @@ TEST(FlattenSurfaces, TakesWavesOutOfAFloorAndLeavesAFlatOneAlone) {
     const Mesh same = loadCapture(folder / "world", again, progress).mesh;
     EXPECT_EQ(same.positions, result.capture.mesh.positions);
     EXPECT_EQ(same.normals, result.capture.mesh.normals);
+}
+
+TEST(FlattenSurfaces, ASkirtDoesNotTiltTheTableThatItHangsOn) {
+    // 1.6 m of table with waves of a millimetre; the skirt on one side slopes by 10 mm.
+    const auto sheet = [](float to) { return test::sheet({-0.8f, -0.8f, 0}, {0.8f + to, 0, 0}, {0, 1.6f, 0}, 80, 60); };
+    Mesh wavy = sheet(1.6f);
+    for (Vec3& p : wavy.positions)
+        p.z = p.x > 0.8f ? 0.0125f * (p.x - 0.8f) : 0.001f * std::sin(9 * p.x + 1) * std::cos(8 * p.y);
+    const test::MeshBefore table(sheet(0.8f), wavy, test::pattern, test::wood, 110, 8);
+    ASSERT_GT(table.free.size(), 1000u);
+    EmitterClusters none;
+    none.emitterOfVertex.assign(wavy.vertexCount(), -1);
+    none.emitterOfTriangle.assign(wavy.triangles.size(), -1);
+    Progress progress;
+    const FlattenedSurfaces found =
+        flattenSurfaces(table.capture, table.scene, table.samples, none, {}, solveOptionsFor("draft"), progress);
+    ASSERT_FALSE(found.fix.empty());
+    Mesh flat = wavy;
+    applyRegistration(found.fix, flat);
+    float most = 0, skirt = 0;
+    for (size_t v = 0; v < flat.vertexCount(); ++v) {
+        const Vec3& p = flat.positions[v];
+        if (p.x < 0.7f) most = std::max(most, std::abs(p.z));
+        if (p.x > 1) skirt = std::max(skirt, std::abs(p.z - wavy.positions[v].z));
+    }
+    EXPECT_LT(most, 2e-4f);
+    EXPECT_EQ(skirt, 0);
 }
 
 }  // namespace
