@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/sort_unique.h"
 #include "base/log.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"
@@ -25,8 +26,7 @@ public:
         first_ = uint32_t(mesh.vertexCount());
         withBody_ = mesh.shadowless;
         withBody_.insert(withBody_.end(), replacement.place.removed.begin(), replacement.place.removed.end());
-        std::sort(withBody_.begin(), withBody_.end());
-        withBody_.erase(std::unique(withBody_.begin(), withBody_.end()), withBody_.end());
+        sortUnique(withBody_);
         withMesh_ = mesh.shadowless;
         std::vector<Vec3> positions;
         std::vector<Triangle> triangles;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/sort_unique.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "clusters/shining_sides.h"
@@ -142,8 +143,7 @@ std::vector<uint32_t> shiningSkins(const Scene& scene, const RadianceSamples& sa
                     fall.words());
             if (fall.exceeds(leastSkinFall, leastSkinErrors)) result.insert(result.end(), skin.begin(), skin.end());
         }
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
+    sortUnique(result);
     return result;
 }
 

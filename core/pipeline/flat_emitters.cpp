@@ -128,4 +128,16 @@ std::vector<EmitterMove> liftedFronts(const Scene& scene, const Capture& capture
     return moves;
 }
 
+void liftFronts(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                const EmitterClusters& clusters, EmitterMend& found) {
+    for (EmitterMove& m : liftedFronts(scene, capture, samples, clusters)) {
+        const bool replaced = std::any_of(found.bodies.begin(), found.bodies.end(), [&](const auto& r) {
+            return r.body.distance(DVec3(m.centroid)) < double(r.was.radius) / 4;
+        });
+        if (replaced) continue;
+        std::erase_if(found.moves, [&](const EmitterMove& other) { return other.centroid == m.centroid; });
+        found.moves.push_back(std::move(m));
+    }
+}
+
 }  // namespace relamp

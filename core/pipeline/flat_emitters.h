@@ -11,4 +11,8 @@ namespace relamp {
 std::vector<EmitterMove> liftedFronts(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
                                       const EmitterClusters& clusters);
 
+/// Those of emitters that no body of `found` replaces, in place of what it moves of them otherwise.
+void liftFronts(const Scene& scene, const Capture& capture, const RadianceSamples& samples,
+                const EmitterClusters& clusters, EmitterMend& found);
+
 }  // namespace relamp

@@ -1,5 +1,6 @@
 #include "pipeline/light_obstacles.h"
 
+#include "base/sort_unique.h"
 #include "base/log.h"
 #include "pipeline/plan_pilot.h"
 #include "radiance/agreement.h"
@@ -66,8 +67,7 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
                 (suspect[corners[0]] || suspect[corners[1]] || suspect[corners[2]]))
                 triangles.push_back(t);
         }
-        std::sort(triangles.begin(), triangles.end());
-        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+        sortUnique(triangles);
         if (triangles.size() == result.size()) continue;
         Scene open = scene;
         open.mesh.shadowless = triangles;

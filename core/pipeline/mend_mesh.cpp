@@ -1,6 +1,7 @@
 #include "pipeline/mend_mesh.h"
 
 #include "base/log.h"
+#include "base/sort_unique.h"
 #include "base/statistics.h"
 #include "clusters/emitter_mend.h"
 #include "clusters/shining_sides.h"
@@ -94,8 +95,7 @@ public:
             area += sheet.missing.area;
         }
         if (!(area > 0)) return;
-        std::sort(replaced.begin(), replaced.end());
-        replaced.erase(std::unique(replaced.begin(), replaced.end()), replaced.end());
+        sortUnique(replaced);
         add(replaced, mend_.removed);
         apply({});
         say(fmt::format("photographs show {:.0f} cm2 of round surfaces that the mesh lacks: added", 1e4f * area));
@@ -141,25 +141,12 @@ public:
     void shapeEmitters(bool inexact) {
         meter_.begin(Stage::emitters);
         EmitterMend found = mendEmitters(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters);
-        if (inexact)
-            for (EmitterMove& m : liftedFronts(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters)) {
-                const bool replaced = std::any_of(found.bodies.begin(), found.bodies.end(), [&](const auto& r) {
-                    return r.body.distance(DVec3(m.centroid)) < double(r.was.radius) / 4;
-                });
-                if (replaced) continue;
-                std::erase_if(found.moves, [&](const EmitterMove& other) { return other.centroid == m.centroid; });
-                found.moves.push_back(std::move(m));
-            }
+        if (inexact) liftFronts(*prepared_.scene, capture_, *prepared_.samples, prepared_.clusters, found);
         if (!found.needed()) return;
         balls_ = found.balls;
         placesInFile(found.bodies);
         add(found.removed, mend_.removed);
-        Mesh left = file_;
-        applyMend(mend_, left);
-        const MendedStands stands = mendStands(left, found.balls, capture_, *prepared_.scene, darkness(), progress_);
-        found.words.insert(found.words.end(), stands.words.begin(), stands.words.end());
-        add(stands.replaced, mend_.removed);
-        for (const SurfacePatch& stand : stands.surfaces) addPatch(stand);
+        addStands(heldBalls(found), mend_, true, found.words);
         const MeshMend without = mend_;
         const auto shape = [&] {
             mend_ = without;
@@ -185,10 +172,24 @@ public:
             shape();
         }
         if (takeBagsAway(found.bodies)) shape();
+        // Without the bodies: the place of one may have taken its post.
+        if (addStands(heldBodies(found), without, false, found.words)) apply(found.balls);
         openShades(found);
         for (const std::string& words : found.words) say(words);
         for (const EmitterReplacement& r : found.bodies) say(r.was.words);
         for (const EmitterMove& m : found.moves) say(m.words);
+    }
+
+    /// Posts below lights, of the mesh as it was after `before`; whether there are any.
+    bool addStands(const std::vector<HeldLight>& lights, const MeshMend& before, bool sleeves,
+                   std::vector<std::string>& words) {
+        const MendedStands stands =
+            mendStands(file_, before, lights, sleeves, capture_, *prepared_.scene, darkness(), progress_);
+        words.insert(words.end(), stands.words.begin(), stands.words.end());
+        mend_.removed.insert(mend_.removed.end(), stands.replaced.begin(), stands.replaced.end());
+        sortUnique(mend_.removed);
+        for (const SurfacePatch& stand : stands.surfaces) addPatch(stand);
+        return !stands.surfaces.empty();
     }
 
     void placesInFile(std::vector<EmitterReplacement>& bodies) const {
@@ -266,8 +267,7 @@ public:
             whole.push_back(std::move(*sheet));
         }
         std::erase(mend_.added, Triangle{});
-        std::sort(without.begin(), without.end());
-        without.erase(std::unique(without.begin(), without.end()), without.end());
+        sortUnique(without);
         return whole;
     }
 
@@ -393,8 +393,7 @@ private:
     void add(const std::vector<uint32_t>& present, std::vector<uint32_t>& list) const {
         const std::vector<uint32_t> found = inFile(present);
         list.insert(list.end(), found.begin(), found.end());
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
+        sortUnique(list);
     }
     /// A straight body of light: all of its sides shine but those that photographs show dark.
     void addBody(EmitterReplacement& r) {
@@ -413,8 +412,7 @@ private:
                 if (r.level != Vec3(0)) mend_.turned.push_back({m.vertex, r.level});
             }
         mend_.removed.insert(mend_.removed.end(), r.place.removed.begin(), r.place.removed.end());
-        std::sort(mend_.removed.begin(), mend_.removed.end());
-        mend_.removed.erase(std::unique(mend_.removed.begin(), mend_.removed.end()), mend_.removed.end());
+        sortUnique(mend_.removed);
     }
     void addPatch(const SurfacePatch& patch) {
         const auto first = uint32_t(mend_.addedPositions.size());

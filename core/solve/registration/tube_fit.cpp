@@ -22,9 +22,10 @@ constexpr double widestTube = 40;      ///< pixels from its axis to its side: fa
 constexpr double narrowestTube = 0.7;  ///< pixels
 constexpr size_t mostPlaces = 48;      ///< along it
 constexpr size_t leastProfiles = 60;
-constexpr double otherRadius = 1.25;  ///< that must explain photographs clearly worse
-constexpr double clearlyWorse = 0.1;  ///< mean of the log residual
-constexpr double tubeNoise = 0.02;    ///< of a value, relative to the profile's mean: what no model explains
+constexpr double otherRadius = 1.25;                       ///< that must explain photographs clearly worse
+constexpr double roughRadius = 1.6;                        ///< the same where the mesh's is farther off than that
+constexpr double clearlyWorse = 0.1, roughlyWorse = 0.05;  ///< mean of the log residual
+constexpr double tubeNoise = 0.02;  ///< of a value, relative to the profile's mean: what no model explains
 constexpr size_t tubeColumns = 7;
 
 /// What a view shows across the tube at one place along it.
@@ -201,20 +202,27 @@ std::optional<StraightTube> fitTube(const Capture& capture, const Scene& scene, 
         before = lossOf(capture, profiles, model);
         model = searched(capture, profiles, model, least, progress);
     }
-    double other = 1e30;
-    for (const double factor : {otherRadius, 1 / otherRadius}) {
-        BlurredTube thicker = model;
-        thicker.tube.radius *= factor;
-        other = std::min(other, lossOf(capture, profiles, thicker));
-    }
+    const auto otherwise = [&](double factor) {
+        double best = 1e30;
+        for (const double by : {factor, 1 / factor}) {
+            BlurredTube thicker = model;
+            thicker.tube.radius *= by;
+            best = std::min(best, lossOf(capture, profiles, thicker));
+        }
+        return best;
+    };
+    const double other = otherwise(otherRadius), rough = otherwise(roughRadius);
     logInfo(
         "tube of {:.1f} mm radius, {:.0f} mm long: {} profiles, shifted by {:.2f} and {:.2f} mm, radius {:+.2f} mm, "
-        "log residual {:.2f} ({:.2f} before, {:.2f} with other radii), edges of {:.2f} pixels",
+        "log residual {:.2f} ({:.2f} before, {:.2f} and {:.2f} with radii a quarter and 1.6 times off), edges of "
+        "{:.2f} pixels",
         1000 * found.radius, 1000 * length, profiles.size(),
         1000 * glm::length(found.onAxis(found.from) - start.onAxis(start.from)),
         1000 * glm::length(found.onAxis(found.to) - start.onAxis(start.to)), 1000 * (found.radius - start.radius),
-        least, before, other, model.blur);
-    if (!(least + clearlyWorse < other)) return {};
+        least, before, other, rough, model.blur);
+    const bool farOff = std::max(found.radius / start.radius, start.radius / found.radius) > roughRadius;
+    const bool clear = least + clearlyWorse < other, known = farOff && least + roughlyWorse < rough;
+    if (!clear && !known) return {};
     return found;
 }
 

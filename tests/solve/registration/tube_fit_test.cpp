@@ -66,6 +66,16 @@ TEST(TubeFit, FindsThePostThatPhotographsShow) {
     for (const double along : {0.02, 0.23}) EXPECT_LT(post(0.01).off(found->onAxis(along)), 0.0003) << along;
 }
 
+TEST(TubeFit, FindsAPostOfWhichAMeshMadeShredsFourTimesAsThick) {
+    Progress progress;
+    const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -0.01f}, {0.4f, 0, 0}, {0, 0.4f, 0}, 4, 4));
+    StraightTube shreds = inMesh();
+    shreds.radius = 0.04;
+    const auto found = fitTube(photographs(1), scene, shreds, 1e-3f, progress);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->radius, 0.01, 0.0005);
+}
+
 TEST(TubeFit, WhatPhotographsDoNotShowStaysAsItIs) {
     Progress progress;
     const Scene scene = test::sceneOf(test::sheet({-0.2f, -0.2f, -0.01f}, {0.4f, 0, 0}, {0, 0.4f, 0}, 4, 4));

@@ -1,5 +1,5 @@
 // Posts that end before the ball of light that they hold.
-#include "clusters/ball_stands.h"
+#include "clusters/light_stands.h"
 
 #include <gtest/gtest.h>
 
@@ -14,17 +14,17 @@ namespace {
 const Vec3 ballCentre(0.1f, -0.2f, 0.5f);
 constexpr float ballRadius = 0.03f;
 
-std::vector<SurfacePatch> sleevesOf(const Mesh& mesh, const std::vector<ProxyLight>& balls) {
+std::vector<SurfacePatch> sleevesOf(const Mesh& mesh, const HeldLight& ball) {
     std::vector<SurfacePatch> sleeves;
-    for (const BallStand& stand : ballStands(mesh, balls)) sleeves.push_back(sleeveOf(mesh, stand));
+    for (const LightStand& stand : lightStands(mesh, ball)) sleeves.push_back(sleeveOf(mesh, stand));
     return sleeves;
 }
 
-std::vector<ProxyLight> oneBall() {
+HeldLight oneBall() {
     ProxyLight ball;
     ball.centre = DVec3(ballCentre);
     ball.radius = ballRadius;
-    return {ball};
+    return HeldLight::of(ball);
 }
 
 /// Rings of a radius per height below the ball's ballCentre, open at both ends, in the direction `down`.
@@ -52,7 +52,7 @@ Mesh postAt(const Vec3& down) {
     return rings(0.04f, 0.3f, down, [](float below) { return below < 0.05f ? 0.007f : 0.01f; });
 }
 
-TEST(BallStands, APostReachesTheBallWithItsWholeRadius) {
+TEST(LightStands, APostReachesTheBallWithItsWholeRadius) {
     for (const Vec3& down : {Vec3(0, 0, -1), Vec3(0, 0, 1), glm::normalize(Vec3(1, 1, -1))}) {
         const std::vector<SurfacePatch> sleeves = sleevesOf(postAt(down), oneBall());
         ASSERT_EQ(sleeves.size(), 1u);
@@ -78,7 +78,7 @@ TEST(BallStands, APostReachesTheBallWithItsWholeRadius) {
     }
 }
 
-TEST(BallStands, TheNeckOfABagGoesAndIsNoPartOfThePost) {
+TEST(LightStands, TheNeckOfABagGoesAndIsNoPartOfThePost) {
     // Wider towards the ball, as a surface that wrapped both is; the ball took the rest of it.
     const Mesh mesh = rings(0.02f, 0.3f, Vec3(0, 0, -1),
                             [](float below) { return below < 0.045f ? 0.01f + 0.8f * (0.045f - below) : 0.01f; });
@@ -101,22 +101,22 @@ TEST(BallStands, TheNeckOfABagGoesAndIsNoPartOfThePost) {
     EXPECT_GT(reaches, 1.5f * ballRadius) << "no gap is left";
 }
 
-TEST(BallStands, APostOfWhichTheMeshLacksASideIsStillOne) {
+TEST(LightStands, APostOfWhichTheMeshLacksASideIsStillOne) {
     // Short as far as it is looked at, and uneven: the longest spread of its points is not along it.
     Mesh mesh = rings(0.04f, 0.075f, Vec3(0, 0, -1), [](float) { return 0.02f; });
     std::erase_if(mesh.triangles, [&](const Triangle& t) { return mesh.positions[t[0]].x > ballCentre.x + 0.012f; });
-    const std::vector<BallStand> stands = ballStands(mesh, oneBall());
+    const std::vector<LightStand> stands = lightStands(mesh, oneBall());
     ASSERT_EQ(stands.size(), 1u);
     EXPECT_NEAR(stands[0].tube.radius, 0.02, 0.001);
     EXPECT_LT(stands[0].tube.axes[0].z, -0.99);
     EXPECT_LT(stands[0].tube.off(DVec3(ballCentre)), 0.005);
 }
 
-TEST(BallStands, AWholeStandTakesThePlaceOfTheMeshsDownToTheFloor) {
+TEST(LightStands, AWholeStandTakesThePlaceOfTheMeshsDownToTheFloor) {
     Mesh mesh = postAt(Vec3(0, 0, -1));
     const auto own = mesh.triangles.size();
     test::append(mesh, test::sheet(ballCentre + Vec3(-0.1f, -0.1f, -0.3f), {0.2f, 0, 0}, {0, 0.2f, 0}, 40, 40));
-    const std::vector<BallStand> stands = ballStands(mesh, oneBall());
+    const std::vector<LightStand> stands = lightStands(mesh, oneBall());
     ASSERT_EQ(stands.size(), 1u);
     StraightTube measured = stands[0].tube;
     measured.radius = 0.009;
@@ -137,21 +137,62 @@ TEST(BallStands, AWholeStandTakesThePlaceOfTheMeshsDownToTheFloor) {
     EXPECT_GT(stand.replaced.size(), own * 9 / 10);
 }
 
-TEST(BallStands, WhatIsNoPostStaysAsItIs) {
+/// Half of 10 x 4 x 1 cm, its underside at the ball's centre.
+HeldLight panelAbove() {
+    EmitterBody panel;
+    panel.half = {0.1, 0.04, 0.005};
+    panel.centre = DVec3(ballCentre) + DVec3(0, 0, 0.005);
+    return HeldLight::of(panel);
+}
+
+TEST(LightStands, APostThatTheMeshPinchesOffHoldsAPanelAndReachesTheGround) {
+    // Closed below the panel, and 2 cm above the ground.
+    const auto width = [](float below) { return below < 0.008f || below > 0.175f ? 0.001f : 0.008f; };
+    const Mesh mesh = rings(0.005f, 0.18f, Vec3(0, 0, -1), width);
+    const std::vector<LightStand> stands = lightStands(mesh, panelAbove());
+    ASSERT_EQ(stands.size(), 1u);
+    EXPECT_NEAR(stands[0].tube.radius, 0.008, 1e-4);
+    const StraightTube& tube = stands[0].tube;
+    const SurfacePatch stand = wholeStandOf(mesh, stands[0], tube, tube.at(DVec3(ballCentre) - DVec3(0, 0, 0.2)));
+    EXPECT_EQ(stand.replaced.size(), mesh.triangles.size());
+    float lowest = 1, highest = -1;
+    for (const Vec3& p : stand.positions) {
+        lowest = std::min(lowest, p.z - ballCentre.z);
+        highest = std::max(highest, p.z - ballCentre.z);
+    }
+    EXPECT_NEAR(lowest, -0.204f, 1e-3f);
+    EXPECT_GT(highest, 0) << "it reaches into the panel";
+    EXPECT_LT(highest, 0.001f);
+}
+
+TEST(LightStands, AShortPostOnAFootIsFound) {
+    Mesh mesh = rings(0.005f, 0.1f, Vec3(0, 0, -1), [](float below) { return below < 0.09f ? 0.008f : 0.04f; });
+    test::append(mesh, test::sheet(ballCentre + Vec3(-0.2f, -0.2f, -0.1f), {0.4f, 0, 0}, {0, 0.4f, 0}, 40, 40));
+    HeldLight shade = panelAbove();
+    shade.body->round = true;
+    shade.body->half = {0.06, 0.06, 0.06};
+    shade.body->axes = glm::dmat3(DVec3(0, 0, 1), DVec3(1, 0, 0), DVec3(0, 1, 0));
+    shade.body->centre = DVec3(ballCentre) + DVec3(0, 0, 0.06);
+    const std::vector<LightStand> stands = lightStands(mesh, HeldLight::of(*shade.body));
+    ASSERT_EQ(stands.size(), 1u);
+    EXPECT_NEAR(stands[0].tube.radius, 0.008, 1e-4);
+    EXPECT_LT(stands[0].tube.axes[0].z, -0.999);
+}
+
+TEST(LightStands, WhatIsNoPostStaysAsItIs) {
     const Vec3 down(0, 0, -1);
     // A shade about the ball, a post that ends far below it, and one beside it.
     EXPECT_TRUE(
-        ballStands(rings(-0.02f, 0.06f, down, [](float below) { return 0.05f + 0.5f * below; }), oneBall()).empty());
-    EXPECT_TRUE(ballStands(rings(0.08f, 0.3f, down, [](float) { return 0.01f; }), oneBall()).empty());
+        lightStands(rings(-0.02f, 0.06f, down, [](float below) { return 0.05f + 0.5f * below; }), oneBall()).empty());
+    EXPECT_TRUE(lightStands(rings(0.08f, 0.3f, down, [](float) { return 0.01f; }), oneBall()).empty());
     Mesh beside = rings(0.04f, 0.3f, down, [](float) { return 0.01f; });
     for (Vec3& p : beside.positions) p.x += 0.03f;
-    EXPECT_TRUE(ballStands(beside, oneBall()).empty());
+    EXPECT_TRUE(lightStands(beside, oneBall()).empty());
     // A floor on which the ball lies, with a hole below it.
     Mesh floor = test::sheet(ballCentre + Vec3(-0.3f, -0.3f, -0.03f), {0.6f, 0, 0}, {0, 0.6f, 0}, 100, 100);
     std::erase_if(floor.triangles,
                   [&](const Triangle& t) { return glm::length(floor.positions[t[0]] - ballCentre) < 0.035f; });
-    EXPECT_TRUE(ballStands(floor, oneBall()).empty());
-    EXPECT_TRUE(ballStands(postAt(down), {}).empty());
+    EXPECT_TRUE(lightStands(floor, oneBall()).empty());
 }
 
 }  // namespace
