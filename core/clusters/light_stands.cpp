@@ -88,13 +88,18 @@ std::optional<StraightTube> tubeOf(const std::vector<DVec3>& points, const HeldL
     const double part = double(std::count_if(radii.begin(), radii.end(), ofTube)) / double(radii.size());
     if (tube.radius > thickest * size || part < mostOfOne) return {};
     if (light.body && slimmest * tube.radius > *most - *least) return {};
+    return tube;
+}
+
+/// Whether there are points on most sides of it.
+bool allAround(const StraightTube& tube, const std::vector<DVec3>& points) {
     unsigned around = 0;
     for (const DVec3& p : points) {
         const DVec3 d = p - tube.through;
         const double turn = std::atan2(glm::dot(d, tube.axes[2]), glm::dot(d, tube.axes[1])) / (2 * piD) + 0.5;
         around |= 1u << std::min(sectors - 1, int(turn * sectors));
     }
-    return std::popcount(around) >= leastSectors ? std::optional(tube) : std::nullopt;
+    return std::popcount(around) >= leastSectors;
 }
 
 /// Those of one light, of what lies within `reach` sizes of it.
@@ -132,7 +137,7 @@ std::vector<LightStand> standsWithin(const Mesh& mesh, const HeldLight& light, d
                 bag.push_back(number[i]);
         }
         tube->to = tubeEnd(mesh, *tube);
-        stands.push_back({*tube, light, std::move(bag)});
+        stands.push_back({*tube, light, allAround(*tube, points[k]), std::move(bag)});
     }
     return stands;
 }

@@ -28,13 +28,14 @@ struct HeldLight {
 struct LightStand {
     StraightTube tube;          ///< as the mesh has it, away from the light; `from`: where it is whole
     HeldLight light;            ///< that it holds
+    bool around = false;        ///< the mesh has it all around; else photographs must show it
     std::vector<uint32_t> bag;  ///< triangles within half a size of the light: the neck of the bag that wrapped both
 };
 
-/// Stands of a light. A stand is what of the mesh, which is without the triangles that the light replaced, ends within
-/// a size of it and goes away from it as a thin tube: of one radius within 35 %, all around, along an axis through
-/// the ball or the body. The tube's radius is the upper quartile, because meshes make some thin tubes thinner.
-/// O(triangles).
+/// Stands of a light. A stand is what of the mesh comes within a size of it and goes away from it as a thin tube: of
+/// one radius within 35 %, along an axis through the ball or the body. Of what lies within half a size no
+/// shape is asked: it may be gone, or the bag that wraps both. The tube's radius is the upper quartile, because meshes
+/// make some thin tubes thinner. O(triangles).
 std::vector<LightStand> lightStands(const Mesh& mesh, const HeldLight& light);
 
 /// How far a mesh is a tube about the axis, metres along it from `from` on: in pieces of one and a half radii most

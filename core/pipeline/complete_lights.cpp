@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/sort_unique.h"
 #include "base/log.h"
+#include "base/sort_unique.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <functional>
 
-#include "base/sort_unique.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/sort_unique.h"
 #include "clusters/shining_sides.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"

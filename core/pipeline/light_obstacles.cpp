@@ -1,7 +1,7 @@
 #include "pipeline/light_obstacles.h"
 
-#include "base/sort_unique.h"
 #include "base/log.h"
+#include "base/sort_unique.h"
 #include "pipeline/plan_pilot.h"
 #include "radiance/agreement.h"
 

@@ -40,7 +40,7 @@ std::vector<LightStand> standsOnAxis(const HeldLight& light, const Scene& scene)
         const double way = first * light.size + double(hit.distance);
         tube.from = first * way;
         tube.to = last * way;
-        stands.push_back({tube, light, {}});
+        stands.push_back({tube, light, false, {}});
     }
     return stands;
 }
@@ -80,7 +80,7 @@ MendedStands mendStands(const Mesh& file, const MeshMend& before, const std::vec
     MendedStands mended;
     const auto mend = [&](const LightStand& stand) {
         const auto measured = measuredStand(mesh, stand.tube, capture, scene, floor, progress);
-        if (!measured && !sleeves) return false;
+        if (!measured && !(sleeves && stand.around)) return false;
         mended.surfaces.push_back(measured ? wholeStandOf(mesh, stand, *measured, groundOf(*measured, scene))
                                            : sleeveOf(mesh, stand));
         for (const uint32_t t : mended.surfaces.back().replaced) mended.replaced.push_back(numbers[t]);

@@ -19,10 +19,11 @@ struct MendedStands {
     std::vector<std::string> words;      ///< a sentence for each
 };
 
-/// The stands of lights in the file's mesh after the mend `before`, which takes away what the lights replaced. Those
-/// that photographs show as tubes (fitTube) take the place of the mesh's, down to a surface that the mesh's ends a few
-/// radii before; `sleeves` complete the others. `scene`: what hides them from cameras; `floor`: radiance that counts as
-/// dark. O(lights x vertices + places x views); one to four seconds a stand. Throws Cancelled.
+/// The stands of lights in the file's mesh after the mend `before`. Those that photographs show as tubes (fitTube) take
+/// the place of the mesh's, down to a surface that the mesh's end a few radii before; so do those of tubes and cones of
+/// which the mesh has nothing, on their axes. `sleeves` complete the others. `scene`: what hides them from cameras;
+/// `floor`: radiance that counts as dark. O(lights x triangles + places x views); one to four seconds a stand. Throws
+/// Cancelled.
 MendedStands mendStands(const Mesh& file, const MeshMend& before, const std::vector<HeldLight>& lights, bool sleeves,
                         const Capture& capture, const Scene& scene, float floor, const Progress& progress);
 

@@ -107,9 +107,19 @@ TEST(LightStands, APostOfWhichTheMeshLacksASideIsStillOne) {
     std::erase_if(mesh.triangles, [&](const Triangle& t) { return mesh.positions[t[0]].x > ballCentre.x + 0.012f; });
     const std::vector<LightStand> stands = lightStands(mesh, oneBall());
     ASSERT_EQ(stands.size(), 1u);
+    EXPECT_TRUE(stands[0].around);
     EXPECT_NEAR(stands[0].tube.radius, 0.02, 0.001);
     EXPECT_LT(stands[0].tube.axes[0].z, -0.99);
     EXPECT_LT(stands[0].tube.off(DVec3(ballCentre)), 0.005);
+}
+
+TEST(LightStands, APostOfWhichTheMeshHasOneSideIsForPhotographsToSay) {
+    Mesh mesh = postAt(Vec3(0, 0, -1));
+    std::erase_if(mesh.triangles, [&](const Triangle& t) { return mesh.positions[t[0]].x > ballCentre.x - 0.004f; });
+    const std::vector<LightStand> stands = lightStands(mesh, oneBall());
+    ASSERT_EQ(stands.size(), 1u);
+    EXPECT_FALSE(stands[0].around);
+    EXPECT_NEAR(stands[0].tube.radius, 0.01, 0.002);
 }
 
 TEST(LightStands, AWholeStandTakesThePlaceOfTheMeshsDownToTheFloor) {
