@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/estimates.h"
+#include "support/post_photograph.h"
 
 namespace relamp {
 namespace {
@@ -19,18 +19,9 @@ Capture photographs(bool post) {
         // Not all with the axis between the same two pixels.
         const DVec3 target(0.003 * i, 0.002 * (i % 2), 0.15);
         view.camera = test::cameraAt({std::cos(turn), std::sin(turn), 0.5}, target, 120, 160, 330);
-        view.image = Image(120, 160);
-        const DVec3 eye = view.camera.position();
-        for (int y = 0; y < 160; ++y)
-            for (int x = 0; x < 120; ++x)
-                for (int k = 0; k < 16; ++k) {
-                    const DVec3 ray(view.camera.rayDirection(
-                        Vec2(float(x) + (float(k % 4) + 0.5f) / 4, float(y) + (float(k / 4) + 0.5f) / 4)));
-                    const glm::dvec2 from(eye), along(ray);
-                    const double t = -glm::dot(from, along) / glm::dot(along, along), z = eye.z + t * ray.z;
-                    const bool hit = post && glm::length(from + t * along) < postRadius && z > 0 && z < 0.2;
-                    view.image.at(x, y) += Rgb(hit ? 0.3f / 16 : 1.0f / 16);
-                }
+        view.image =
+            test::postPhotograph(view.camera, post ? postRadius : 0, 0.2,
+                                 [](const DVec3&, std::optional<double> across) { return across ? 0.3f : 1.0f; });
         capture.views.push_back(std::move(view));
     }
     return capture;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/estimates.h"
+#include "support/post_photograph.h"
 
 namespace relamp {
 namespace {
@@ -25,23 +25,10 @@ Capture photographs(float contrast) {
         View view;
         view.camera =
             test::cameraAt({std::cos(turn), std::sin(turn), 0.5 + 0.1 * (i % 3)}, {0, 0, 0.15}, 120, 160, 330);
-        view.image = Image(120, 160);
-        const DVec3 eye = view.camera.position();
-        for (int y = 0; y < 160; ++y)
-            for (int x = 0; x < 120; ++x)
-                for (int k = 0; k < 16; ++k) {
-                    const DVec3 ray(view.camera.rayDirection(
-                        Vec2(float(x) + (float(k % 4) + 0.5f) / 4, float(y) + (float(k / 4) + 0.5f) / 4)));
-                    // Where the ray is nearest to the axis.
-                    const glm::dvec2 from(eye), along(ray);
-                    const double t = -glm::dot(from, along) / glm::dot(along, along);
-                    const glm::dvec2 off = from + t * along;
-                    const bool hit = glm::length(off) < 0.01 && eye.z + t * ray.z < 0.3 && eye.z + t * ray.z > 0;
-                    const double across = (off.x * along.y - off.y * along.x) / glm::length(along);
-                    const float stripes = 1 + 0.3f * float(std::sin(9 * ray.x + 7 * ray.z));
-                    view.image.at(x, y) +=
-                        (hit ? 1 - contrast * (0.7f + 20 * float(across)) : stripes) * Rgb(1.0f / 16);
-                }
+        view.image = test::postPhotograph(view.camera, 0.01, 0.3, [&](const DVec3& ray, std::optional<double> across) {
+            const float stripes = 1 + 0.3f * float(std::sin(9 * ray.x + 7 * ray.z));
+            return across ? 1 - contrast * (0.7f + 20 * float(*across)) : stripes;
+        });
         capture.views.push_back(std::move(view));
     }
     return capture;
