@@ -44,7 +44,7 @@ struct Radial {
     }
     /// Whether the distortion grows all the way from the axis to r^2 = s.
     bool growsUpTo(double s) const {
-        if (plain) return true;
+        if (plain || surelyGrowsUpTo(s)) return true;
         constexpr int steps = 24;
         for (int i = steps; i >= 1; --i)
             if (!grows(s * i / steps)) return false;
@@ -52,6 +52,16 @@ struct Radial {
     }
 
 private:
+    /// Terms that shrink the slope are largest at s. For a polynomial alone.
+    bool surelyGrowsUpTo(double s) const {
+        double least = 1, power = 1;
+        for (size_t i = 1; i < 5; ++i) {
+            if (d[i] != 0) return false;
+            power *= s;
+            least += std::min(0.0, double(2 * i + 1) * n[i] * power);
+        }
+        return least > 1e-6;
+    }
     static double evaluate(const std::array<double, 5>& p, double s) {
         return p[0] + s * (p[1] + s * (p[2] + s * (p[3] + s * p[4])));
     }
@@ -201,14 +211,23 @@ std::optional<DVec2> onLensPlane(const Camera& camera, const DVec3& world) {
     return r > 0 ? DVec2(x, y) * (std::atan2(r, z) / r) : DVec2(0);
 }
 
+/// Whether the lens distorts nothing beyond its projection.
+bool isStraight(const Camera& camera) {
+    return camera.model == LensModel::simplePinhole || camera.model == LensModel::pinhole ||
+           std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0; });
+}
+
 }  // namespace
 
 std::optional<Vec2> Camera::project(const DVec3& world) const {
     const std::optional<DVec2> plane = onLensPlane(*this, world);
     if (!plane) return std::nullopt;
-    const Radial radial = radialOf(model, distortion);
-    if (!radial.growsUpTo(glm::dot(*plane, *plane))) return std::nullopt;
-    const DVec2 q = distort(model, radial, distortion, *plane);
+    DVec2 q = *plane;
+    if (!isStraight(*this)) {
+        const Radial radial = radialOf(model, distortion);
+        if (!radial.growsUpTo(glm::dot(q, q))) return std::nullopt;
+        q = distort(model, radial, distortion, q);
+    }
     const Vec2 pixel(float(focalX * q.x + centreX), float(focalY * q.y + centreY));
     if (!std::isfinite(pixel.x) || !std::isfinite(pixel.y)) return std::nullopt;
     return pixel;
@@ -223,8 +242,7 @@ std::optional<glm::dvec2> Camera::projectByFormula(const DVec3& world) const {
 
 Vec3 Camera::rayDirection(const Vec2& pixel) const {
     DVec2 q((pixel.x - centreX) / focalX, (pixel.y - centreY) / focalY);
-    const bool straight = std::all_of(distortion.begin(), distortion.end(), [](double k) { return k == 0; });
-    if (model != LensModel::simplePinhole && model != LensModel::pinhole && !straight) {
+    if (!isStraight(*this)) {
         const Radial radial = radialOf(model, distortion);
         q = undistort(model, radial, distortion, q);
     }

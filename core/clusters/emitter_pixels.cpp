@@ -17,6 +17,14 @@ struct Votes {
 
 float distanceBetween(const Rgb& a, const Rgb& b) { return glm::length(a - b); }
 
+/// Whether one of a pixel's eight neighbours is marked.
+bool besideOne(const std::vector<uint8_t>& marked, int width, int height, int x, int y) {
+    for (int py = std::max(0, y - 1); py <= std::min(height - 1, y + 1); ++py)
+        for (int px = std::max(0, x - 1); px <= std::min(width - 1, x + 1); ++px)
+            if (marked[size_t(py) * size_t(width) + size_t(px)]) return true;
+    return false;
+}
+
 }  // namespace
 
 float pixelTolerance(const EmitterCluster& cluster) { return std::max(0.08f, 3 * cluster.evidence.uniformity); }
@@ -36,15 +44,13 @@ std::vector<uint8_t> emittingPixels(const View& view, const Rgb& emitter, float 
         const int y = int(row);
         for (int x = 0; x < width; ++x) {
             const size_t pixel = row * size_t(width) + size_t(x);
-            if (whole[pixel] || !image.usableAt(x, y)) continue;
-            bool beside = false;
+            if (whole[pixel] || !image.usableAt(x, y) || !besideOne(whole, width, height, x, y)) continue;
             float farthest = 0;
             Rgb other(0);
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) {
                     const int px = x + dx, py = y + dy;
                     if (px < 0 || py < 0 || px >= width || py >= height || !image.usableAt(px, py)) continue;
-                    beside |= whole[size_t(py) * size_t(width) + size_t(px)] != 0;
                     const Rgb value = image.at(px, py);
                     if (const float away = distanceBetween(value, emitter); away > farthest) {
                         farthest = away;
@@ -52,7 +58,7 @@ std::vector<uint8_t> emittingPixels(const View& view, const Rgb& emitter, float 
                     }
                 }
             const Rgb value = image.at(x, y);
-            result[pixel] = beside && distanceBetween(value, emitter) < distanceBetween(value, other);
+            result[pixel] = distanceBetween(value, emitter) < distanceBetween(value, other);
         }
     });
     return result;

@@ -3,6 +3,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/parallel.h"
 #include "base/statistics.h"
 
 namespace relamp {
@@ -10,18 +11,21 @@ namespace {
 
 constexpr float clean = 0.1f;  ///< weight of an observation that vertices are judged by
 constexpr size_t fewestPixels = 16, fewestPixelsInView = 4;
+constexpr size_t mostParts = 4;  ///< that views are counted in at once
 
 /// Per triangle: in how many views more of its pixels are bright than not, and in how many they are not.
 struct VertexVotes {
     std::vector<uint16_t> bright, dark;
 };
 
-VertexVotes votesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples, float floor) {
+/// Of the views from `first` up to `last`.
+VertexVotes votesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples, float floor,
+                    size_t first, size_t last) {
     const size_t n = scene.mesh.triangles.size();
     VertexVotes votes{std::vector<uint16_t>(n, 0), std::vector<uint16_t>(n, 0)};
     std::vector<int> balance(n, 0);
     std::vector<uint32_t> touched;
-    for (size_t i = 0; i < std::min(capture.views.size(), samples.geometry.size()); ++i) {
+    for (size_t i = first; i < last; ++i) {
         const Image& image = capture.views[i].image;
         const ViewGeometry& g = samples.geometry[i];
         touched.clear();
@@ -38,6 +42,21 @@ VertexVotes votesOf(const Scene& scene, const Capture& capture, const RadianceSa
             balance[t] = 0;
         }
     }
+    return votes;
+}
+
+VertexVotes votesOf(const Scene& scene, const Capture& capture, const RadianceSamples& samples, float floor) {
+    const size_t views = std::min(capture.views.size(), samples.geometry.size());
+    std::vector<VertexVotes> parts(std::clamp(views, size_t(1), mostParts));
+    parallelFor(parts.size(), 1, [&](size_t k) {
+        parts[k] = votesOf(scene, capture, samples, floor, views * k / parts.size(), views * (k + 1) / parts.size());
+    });
+    VertexVotes votes = std::move(parts[0]);
+    for (size_t k = 1; k < parts.size(); ++k)
+        for (size_t t = 0; t < votes.bright.size(); ++t) {
+            votes.bright[t] = uint16_t(votes.bright[t] + parts[k].bright[t]);
+            votes.dark[t] = uint16_t(votes.dark[t] + parts[k].dark[t]);
+        }
     return votes;
 }
 

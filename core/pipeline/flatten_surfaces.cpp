@@ -101,11 +101,11 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     applyRegistration(fixOf(flat), mesh);
     Scene even = buildScene(std::move(mesh), progress, scene.axes);
     even.rank = scene.rank;  // the same pairs
-    const RadianceSamples seen = gatherRadiance(capture, even, gather, progress);
+    auto seen = std::make_shared<const RadianceSamples>(gatherRadiance(capture, even, gather, progress));
     FlattenedSurfaces result;
     std::vector<FlatSurface> wanted;
     for (size_t s = 0; s < wavy.size(); ++s) {
-        const MisfitFall fall = agreeBetter(flat, int(s), samples, seen);
+        const MisfitFall fall = agreeBetter(flat, int(s), samples, *seen);
         const bool relief = reversed(fall).exceeds(disagreeMore, sureOfDisagreement);
         const DVec3 at = wavy[s].point + capture.origin;
         logInfo("a flat surface of {:.2f} m2 at {:.2f} {:.2f} {:.2f} has waves of {:.2f} mm; photographs without: {}{}",
@@ -125,6 +125,7 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     logInfo("with flat surfaces: {}{}", fall.words(), worse ? "; left as they are" : "");
     if (worse || wanted.empty()) return {};
     if (wanted.size() < wavy.size()) flat = flattening(scene, wanted, own, leftOut);
+    else result.samples = std::move(seen);
     result.fix = fixOf(flat);
     return result;
 }

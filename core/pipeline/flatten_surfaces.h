@@ -1,6 +1,7 @@
 // Floors and walls of a reconstruction have waves, which turn their normals by degrees. They are flat, unless the
 // photographs object.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ namespace relamp {
 struct FlattenedSurfaces {
     RegistrationFix fix;             ///< displacements alone; empty: nothing is to be flat
     std::vector<std::string> words;  ///< of each surface that is
+    /// What photographs show of the mesh with `fix`; null: not asked.
+    std::shared_ptr<const RadianceSamples> samples;
 };
 
 /// Brings the mesh onto its large flat surfaces (scene/flat_surface.h). Those whose waves are below 0.01 % of the

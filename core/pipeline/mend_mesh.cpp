@@ -227,8 +227,10 @@ public:
             addPatch(backSides(*prepared_.scene, capture_, *prepared_.samples, without, lights));
             add(without, mend_.removed);
             for (const SurfacePatch& shade : whole) addPatch(shade);
-            apply(found.balls);
-            if (whole.empty()) evenRims(found.balls);
+            if (whole.empty()) {
+                apply(found.balls);
+                evenRims(found.balls);
+            }
             found.words.push_back(
                 fmt::format("{} triangles close the opening of a shade over a light: taken away, and the shade has an "
                             "inner side",

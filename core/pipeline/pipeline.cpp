@@ -107,7 +107,7 @@ void flatten(const PipelineOptions& options, Capture& capture, Prepared& prepare
     applyRegistration(flat.fix, capture.mesh);
     if (shape.empty()) shape = wavy;
     for (size_t v = 0; v < shape.size(); ++v) shape[v] += capture.mesh.positions[v] - wavy[v];
-    prepared = prepare(capture, options, meter, progress);
+    prepared = prepare(capture, options, meter, progress, nullptr, capture.states.size() > 1 ? nullptr : flat.samples);
 }
 
 /// mendMesh by the photographs of the state in which emitters are brightest.

@@ -60,9 +60,10 @@ struct Window {
 /// Which pixels of a window see the vertex's own surface: not one behind or before it, nor one past a crease.
 class OwnPixels {
 public:
-    OwnPixels(const View& view, const ViewGeometry& g, const Scene& scene, uint32_t v, const Window& window)
+    OwnPixels(const View& view, const ViewGeometry& g, const Scene& scene, std::span<const Vec3> faceNormals,
+              uint32_t v, const Window& window)
         : g_(g),
-          scene_(scene),
+          faceNormals_(faceNormals),
           eye_(view.camera.position()),
           position_(scene.mesh.positions[v]),
           normal_(scene.mesh.normals[v]),
@@ -82,7 +83,7 @@ public:
         if (g_.triangle[i] == Hit::none) return false;
         const Vec3 seen = eye_ + rayThrough(x, y) * g_.depth[i] - position_;
         if (std::abs(glm::dot(seen, normal_)) > reach || glm::length(seen) > far) return false;
-        return glm::dot(scene_.mesh.faceNormal(g_.triangle[i]), normal_) > 0.6f;
+        return glm::dot(faceNormals_[g_.triangle[i]], normal_) > 0.6f;
     }
 
 private:
@@ -93,7 +94,7 @@ private:
     }
 
     const ViewGeometry& g_;
-    const Scene& scene_;
+    std::span<const Vec3> faceNormals_;
     Vec3 eye_, position_, normal_, corners_[4];
     Window window_;
     float perColumn_, perRow_;
@@ -175,8 +176,9 @@ float agreement(std::span<const VertexLook> looks, size_t fine, size_t coarse, f
 
 }  // namespace
 
-std::optional<VertexLook> lookUpVertex(const View& view, const ViewGeometry& g, const Scene& scene, uint32_t v,
-                                       float radius, const GatherOptions& options) {
+std::optional<VertexLook> lookUpVertex(const View& view, const ViewGeometry& g, const Scene& scene,
+                                       std::span<const Vec3> faceNormals, uint32_t v, float radius,
+                                       const GatherOptions& options) {
     const Vec3 position = scene.mesh.positions[v], normal = scene.mesh.normals[v];
     const Vec3 eye(view.camera.position());
     const float distance = glm::length(eye - position);
@@ -199,7 +201,7 @@ std::optional<VertexLook> lookUpVertex(const View& view, const ViewGeometry& g, 
     const Window window = windowAround(place, footprint, x0, y0);
     const float pixelSize = distance / float(std::min(view.camera.focalX, view.camera.focalY));  // metres
     const float reach = pixelSize / std::max(cosine, 0.2f);
-    const OwnPixels isOwn(view, g, scene, v, window);
+    const OwnPixels isOwn(view, g, scene, faceNormals, v, window);
     bool own[windowSide][windowSide];
     for (int y = window.top; y <= window.bottom; ++y)
         for (int x = window.left; x <= window.right; ++x)

@@ -31,11 +31,12 @@ struct VertexLook {
     std::pair<Rgb, float> at(const ScaleWeights& weights) const;
 };
 
-/// Looks a vertex up. `radius`: of its footprint on the surface, metres. None where the view does not see it.
-/// Footprints are elliptical Gaussians in the photograph [Heckbert89] over pixels of the vertex's own surface, at
-/// most 13 x 13.
+/// Looks a vertex up. `faceNormals`: of all triangles. `radius`: of its footprint on the surface, metres. None where
+/// the view does not see it. Footprints are elliptical Gaussians in the photograph [Heckbert89] over pixels of the
+/// vertex's own surface, at most 13 x 13.
 std::optional<VertexLook> lookUpVertex(const View& view, const ViewGeometry& geometry, const Scene& scene,
-                                       uint32_t vertex, float radius, const GatherOptions& options);
+                                       std::span<const Vec3> faceNormals, uint32_t vertex, float radius,
+                                       const GatherOptions& options);
 
 /// Weights of the scales, together 1: of the coarsest at which all looks of a vertex agree with all finer ones within
 /// noise [Lepski91], because an average over an edge of a shadow or a print is none of the vertex. Continuous in the

@@ -68,6 +68,20 @@ float estimateNoise(const Capture& capture, RadianceSamples& result) {
     return median;
 }
 
+/// Of each pixel the cell of the grid that it shows past the mesh; -1: it shows none.
+std::vector<int> backgroundCellsOf(const View& view, const ViewGeometry& g, const DirectionGrid& grid) {
+    std::vector<int> cells(size_t(g.width) * size_t(g.height), -1);
+    parallelFor(size_t(g.height), 8, [&](size_t row) {
+        const int y = int(row);
+        if (y < 1 || y + 1 >= g.height) return;
+        for (int x = 1; x + 1 < g.width; ++x)
+            if (view.image.usableAt(x, y) && g.open(x, y))
+                cells[row * size_t(g.width) + size_t(x)] =
+                    int(grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f))));
+    });
+    return cells;
+}
+
 void gatherBackground(const Capture& capture, RadianceSamples& result, Progress& progress) {
     const DirectionGrid& grid = result.backgroundGrid;
     const size_t cells = size_t(grid.cells()) * result.environments();
@@ -79,18 +93,19 @@ void gatherBackground(const Capture& capture, RadianceSamples& result, Progress&
         const View& view = capture.views[i];
         const ViewGeometry& g = result.geometry[i];
         const int environment = result.environmentOf(result.stateOf(uint32_t(i)));
-        // What is seen past the mesh of a state without distant light is none.
-        for (int y = 1; environment >= 0 && y + 1 < g.height; ++y)
+        progress.advance();
+        if (environment < 0) continue;  // what is seen past the mesh of a state without distant light is none
+        const std::vector<int> cellOf = backgroundCellsOf(view, g, grid);
+        for (int y = 1; y + 1 < g.height; ++y)
             for (int x = 1; x + 1 < g.width; ++x) {
-                if (!view.image.usableAt(x, y) || !g.open(x, y)) continue;
-                const size_t cell = size_t(environment * grid.cells() +
-                                           grid.cellOf(view.camera.rayDirection(Vec2(x + 0.5f, y + 0.5f))));
+                const int inGrid = cellOf[size_t(y) * size_t(g.width) + size_t(x)];
+                if (inGrid < 0) continue;
+                const size_t cell = size_t(environment * grid.cells() + inGrid);
                 result.background[cell] += view.image.at(x, y);
                 ++result.backgroundPixels[cell];
                 if (view.saturation > 0 && maxChannel(view.image.at(x, y)) >= view.saturation)
                     result.backgroundClipped[cell] = 1;
             }
-        progress.advance();
     }
     for (size_t c = 0; c < result.background.size(); ++c)
         if (result.backgroundPixels[c]) result.background[c] /= float(result.backgroundPixels[c]);
@@ -119,6 +134,8 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
     const float brightest = mostAveraged * estimateNoise(capture, result);
     const size_t n = scene.mesh.vertexCount(), views = capture.views.size();
     progress.begin("Radiance of each vertex", n);
+    std::vector<Vec3> faceNormals(scene.mesh.triangles.size());
+    parallelFor(faceNormals.size(), 4096, [&](size_t t) { faceNormals[t] = scene.mesh.faceNormal(t); });
     constexpr size_t block = 512;
     std::vector<std::vector<RadianceSample>> parts((n + block - 1) / block);
     std::vector<std::vector<float>> variances(parts.size());  // of samples over that of a pixel
@@ -132,7 +149,8 @@ RadianceSamples gatherRadiance(const Capture& capture, const Scene& scene, const
                 looks.clear();
                 const float radius = scene.vertexSpacing[v];
                 for (uint32_t i = 0; i < views; ++i) {
-                    auto look = lookUpVertex(capture.views[i], result.geometry[i], scene, uint32_t(v), radius, options);
+                    auto look = lookUpVertex(capture.views[i], result.geometry[i], scene, faceNormals, uint32_t(v),
+                                             radius, options);
                     if (!look) continue;
                     look->sample.view = i;
                     looks.push_back(std::move(*look));

@@ -105,27 +105,30 @@ public:
 
     /// The voxels of a cube; none where too many have to be asked for thin parts.
     std::vector<FoundVoxel> search(const Voxel& low) const {
-        Search cube;
-        ask(low, rootSide, cube);
-        return cube.asked > mostAsked ? std::vector<FoundVoxel>{} : cube.found;
+        std::vector<Cube> cubes{{low, 0}}, halves;
+        for (int size = rootSide; size > 1; size /= 2) {
+            halves.clear();
+            for (Cube& cube : cubes)
+                if (possible(cube, size)) addHalves(cube, size / 2, halves);
+            std::swap(cubes, halves);
+        }
+        if (cubes.size() > mostAsked) return {};
+        std::vector<FoundVoxel> found;
+        for (const Cube& cube : cubes)
+            if (const auto there = voxel(cube.low)) found.push_back(*there);
+        return found;
     }
 
 private:
-    struct Search {
-        std::vector<FoundVoxel> found;
-        size_t asked = 0;
+    struct Cube {
+        Voxel low;
+        uint64_t unseen;  ///< a bit for each of the first 64 views that sees none of it
     };
-    void ask(const Voxel& low, int size, Search& cube) const {
-        if (cube.asked > mostAsked) return;
-        if (size == 1) {
-            ++cube.asked;
-            if (const auto there = voxel(low)) cube.found.push_back(*there);
-            return;
-        }
-        if (!possible(low, size)) return;
-        const int half = size / 2;
+    static void addHalves(const Cube& cube, int half, std::vector<Cube>& halves) {
         for (int k = 0; k < 8; ++k)
-            ask({low.x + (k & 1) * half, low.y + (k >> 1 & 1) * half, low.z + (k >> 2) * half}, half, cube);
+            halves.push_back(
+                {{cube.low.x + (k & 1) * half, cube.low.y + (k >> 1 & 1) * half, cube.low.z + (k >> 2) * half},
+                 cube.unseen});
     }
     Vec3 centre(const Voxel& low, int size) const {
         return origin_ + side_ * (Vec3(float(low.x), float(low.y), float(low.z)) + 0.5f * float(size - 1));
@@ -157,13 +160,15 @@ private:
         return sum;
     }
 
-    /// Whether a cube may hold any.
-    bool possible(const Voxel& low, int size) const {
-        const DVec3 middle(centre(low, size));
+    /// Whether a cube may hold any. Views that see nothing of it see nothing of its parts.
+    bool possible(Cube& cube, int size) const {
+        const DVec3 middle(centre(cube.low, size));
         const float radius = 0.5f * std::sqrt(3.0f) * float(size) * side_;
         float gain = 0;
         size_t count = 0, against = 0;
         for (size_t i = 0; i < views_.size(); ++i) {
+            const uint64_t bit = i < 64 ? uint64_t(1) << i : 0;
+            if (cube.unseen & bit) continue;
             const Camera& camera = capture_.views[i].camera;
             const float distance = float(glm::length(middle - camera.position()));
             const std::optional<Vec2> at = camera.project(middle);
@@ -176,7 +181,10 @@ private:
                                                                       radius / (distance - radius) / step;
             const Vec2 cell = *at / step;
             const auto range = pyramids_[i].over(cell.x - reach, cell.y - reach, cell.x + reach, cell.y + reach);
-            if (!range || distance - radius > range->mostDepth) continue;
+            if (!range || distance - radius > range->mostDepth) {
+                cube.unseen |= bit;
+                continue;
+            }
             ++count;
             if (distance + radius < range->leastDepth - side_ && range->mostGain < tellsAgainst && cell.x > reach &&
                 cell.y > reach && cell.x + reach < float(views_[i].width) && cell.y + reach < float(views_[i].height)) {

@@ -6,6 +6,28 @@
 #include "base/random.h"
 
 namespace relamp {
+namespace {
+
+/// Neighbours ascending, each once. An edge may be given more than once.
+VertexGraph graphOf(const std::vector<std::pair<uint32_t, uint32_t>>& edges, size_t vertices) {
+    std::vector<uint32_t> first(vertices + 1, 0);
+    for (const auto& [from, to] : edges) ++first[from + 1];
+    for (size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
+    std::vector<uint32_t> next(first.begin(), first.end() - 1), to(edges.size());
+    for (const auto& [a, b] : edges) to[next[a]++] = b;
+    VertexGraph graph;
+    graph.start.assign(vertices + 1, 0);
+    graph.to.reserve(edges.size() / 2);
+    for (size_t v = 0; v < vertices; ++v) {
+        const auto begin = to.begin() + first[v], end = to.begin() + first[v + 1];
+        std::sort(begin, end);
+        graph.to.insert(graph.to.end(), begin, std::unique(begin, end));
+        graph.start[v + 1] = uint32_t(graph.to.size());
+    }
+    return graph;
+}
+
+}  // namespace
 
 VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes) {
     std::vector<std::pair<uint32_t, uint32_t>> edges;
@@ -37,17 +59,7 @@ VertexGraph buildVertexGraph(const Mesh& mesh, const Mat3& axes) {
     }
     for (uint32_t v = 0; v < mesh.vertexCount(); ++v)
         if (const uint32_t centre = centreAt.at(keyOf(v)); mesh.positions[centre] == mesh.positions[v]) join(v, centre);
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    VertexGraph graph;
-    graph.start.assign(mesh.vertexCount() + 1, 0);
-    graph.to.resize(edges.size());
-    for (size_t i = 0; i < edges.size(); ++i) {
-        ++graph.start[edges[i].first + 1];
-        graph.to[i] = edges[i].second;
-    }
-    for (size_t v = 0; v < mesh.vertexCount(); ++v) graph.start[v + 1] += graph.start[v];
-    return graph;
+    return graphOf(edges, mesh.vertexCount());
 }
 
 std::vector<uint32_t> connectedComponents(const VertexGraph& graph, uint32_t* count) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "base/random.h"
 
 namespace relamp {
@@ -40,45 +41,20 @@ public:
                   [&](uint32_t a, uint32_t b) { return std::pair(scene.rank[a], a) < std::pair(scene.rank[b], b); });
     }
 
-    void tryOnce(uint64_t trial) {
+    /// The first of the best.
+    void tryAll() {
         if (all_.empty()) return;
-        const uint32_t seed = all_[size_t(unitFloat(mixBits(trial)) * float(all_.size()))];
-        const float reach = (trial % 2 ? near : far) * scene_.diagonal;
-        std::vector<uint32_t> pool;
-        for (size_t i = 0; i < std::min(all_.size(), mostTried); ++i)
-            if (glm::length(scene_.mesh.positions[all_[i]] - scene_.mesh.positions[seed]) < reach)
-                pool.push_back(all_[i]);
-        Vec3 sum(0);
-        for (const uint32_t v : pool) sum += scene_.mesh.normals[v];
-        if (pool.size() < leastPool || glm::length(sum) > flat * float(pool.size())) return;
-        // In the order of their ranks: any of them.
-        const std::vector<uint32_t> judges(pool.begin(), pool.begin() + long(std::min(pool.size(), mostJudges)));
-        for (uint64_t draw = 0; draw < drawsPerTrial; ++draw) {
-            std::array<DVec3, 3> at, normal;
-            for (uint64_t k = 0; k < 3; ++k) {
-                const float u = unitFloat(mixBits(mixBits(trial * drawsPerTrial + draw) ^ k));
-                const uint32_t v = pool[size_t(u * float(pool.size()))];
-                at[k] = DVec3(scene_.mesh.positions[v]);
-                normal[k] = DVec3(scene_.mesh.normals[v]);
-            }
-            if (glm::dot(normal[0], normal[1]) > apart || glm::dot(normal[0], normal[2]) > apart ||
-                glm::dot(normal[1], normal[2]) > apart)
-                continue;
-            const std::optional<RevolutionSurface> surface = fitRevolution(at, normal);
-            if (!surface || !plausible(*surface)) continue;
-            const std::vector<uint32_t> on = verticesOn(*surface, judges, tolerance_);
-            if (on.size() * 5 < judges.size()) continue;
-            double area = 0;
-            for (const uint32_t v : on) area += double(scene_.vertexSpacing[v]) * double(scene_.vertexSpacing[v]);
-            area *= double(pool.size()) / double(judges.size());
-            if (area > bestArea_) {
-                bestArea_ = area;
-                best_ = {*surface, verticesOn(*surface, pool, tolerance_), 0, 0};
-            }
-        }
+        std::vector<Trial> found(trials);
+        parallelFor(found.size(), 16, [&](size_t trial) { found[trial] = tryOnce(trial); });
+        const auto best = std::max_element(found.begin(), found.end(),
+                                           [](const Trial& a, const Trial& b) { return a.area < b.area; });
+        bestArea_ = best->area;
+        if (bestArea_ > 0)
+            best_ = {best->surface, verticesOn(best->surface, poolOf(uint64_t(best - found.begin())), tolerance_), 0,
+                     0};
     }
 
-    /// Vertices of the best surface so far.
+    /// Vertices of the best surface.
     const std::vector<uint32_t>& best() const { return best_.vertices; }
 
     std::optional<FoundRevolution> refined() && {
@@ -114,6 +90,50 @@ public:
     }
 
 private:
+    struct Trial {
+        RevolutionSurface surface;
+        double area = 0;
+    };
+    /// Vertices about the trial's seed, in the order of their ranks.
+    std::vector<uint32_t> poolOf(uint64_t trial) const {
+        const uint32_t seed = all_[size_t(unitFloat(mixBits(trial)) * float(all_.size()))];
+        const float reach = (trial % 2 ? near : far) * scene_.diagonal;
+        std::vector<uint32_t> pool;
+        for (size_t i = 0; i < std::min(all_.size(), mostTried); ++i)
+            if (glm::length(scene_.mesh.positions[all_[i]] - scene_.mesh.positions[seed]) < reach)
+                pool.push_back(all_[i]);
+        return pool;
+    }
+    Trial tryOnce(uint64_t trial) const {
+        const std::vector<uint32_t> pool = poolOf(trial);
+        Vec3 sum(0);
+        for (const uint32_t v : pool) sum += scene_.mesh.normals[v];
+        Trial best;
+        if (pool.size() < leastPool || glm::length(sum) > flat * float(pool.size())) return best;
+        // In the order of their ranks: any of them.
+        const std::vector<uint32_t> judges(pool.begin(), pool.begin() + long(std::min(pool.size(), mostJudges)));
+        for (uint64_t draw = 0; draw < drawsPerTrial; ++draw) {
+            std::array<DVec3, 3> at, normal;
+            for (uint64_t k = 0; k < 3; ++k) {
+                const float u = unitFloat(mixBits(mixBits(trial * drawsPerTrial + draw) ^ k));
+                const uint32_t v = pool[size_t(u * float(pool.size()))];
+                at[k] = DVec3(scene_.mesh.positions[v]);
+                normal[k] = DVec3(scene_.mesh.normals[v]);
+            }
+            if (glm::dot(normal[0], normal[1]) > apart || glm::dot(normal[0], normal[2]) > apart ||
+                glm::dot(normal[1], normal[2]) > apart)
+                continue;
+            const std::optional<RevolutionSurface> surface = fitRevolution(at, normal);
+            if (!surface || !plausible(*surface)) continue;
+            const std::vector<uint32_t> on = verticesOn(*surface, judges, tolerance_);
+            if (on.size() * 5 < judges.size()) continue;
+            double area = 0;
+            for (const uint32_t v : on) area += double(scene_.vertexSpacing[v]) * double(scene_.vertexSpacing[v]);
+            area *= double(pool.size()) / double(judges.size());
+            if (area > best.area) best = {*surface, area};
+        }
+        return best;
+    }
     bool plausible(const RevolutionSurface& s) const {
         return s.radius > thinnest * double(scene_.diagonal) && s.radius < thickest * double(scene_.diagonal) &&
                std::abs(s.slope) < steepest;
@@ -221,7 +241,7 @@ std::optional<FoundRevolution> findRevolution(const Scene& scene, const std::vec
     std::vector<uint8_t> refuted = taken;
     for (int attempt = 0; attempt < attempts; ++attempt) {
         Search search(scene, refuted, tolerance);
-        for (uint64_t trial = 0; trial < trials; ++trial) search.tryOnce(trial);
+        search.tryAll();
         const std::vector<uint32_t> vertices = search.best();
         if (std::optional<FoundRevolution> found = std::move(search).refined()) return found;
         if (vertices.empty()) return {};
