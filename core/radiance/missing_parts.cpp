@@ -122,13 +122,13 @@ public:
 private:
     struct Cube {
         Voxel low;
-        uint64_t unseen;  ///< a bit for each of the first 64 views that sees none of it
+        uint64_t past;  ///< a bit for each of the first 64 views that sees none of it
     };
     static void addHalves(const Cube& cube, int half, std::vector<Cube>& halves) {
         for (int k = 0; k < 8; ++k)
             halves.push_back(
                 {{cube.low.x + (k & 1) * half, cube.low.y + (k >> 1 & 1) * half, cube.low.z + (k >> 2) * half},
-                 cube.unseen});
+                 cube.past});
     }
     Vec3 centre(const Voxel& low, int size) const {
         return origin_ + side_ * (Vec3(float(low.x), float(low.y), float(low.z)) + 0.5f * float(size - 1));
@@ -168,7 +168,7 @@ private:
         size_t count = 0, against = 0;
         for (size_t i = 0; i < views_.size(); ++i) {
             const uint64_t bit = i < 64 ? uint64_t(1) << i : 0;
-            if (cube.unseen & bit) continue;
+            if (cube.past & bit) continue;
             const Camera& camera = capture_.views[i].camera;
             const float distance = float(glm::length(middle - camera.position()));
             const std::optional<Vec2> at = camera.project(middle);
@@ -182,7 +182,7 @@ private:
             const Vec2 cell = *at / step;
             const auto range = pyramids_[i].over(cell.x - reach, cell.y - reach, cell.x + reach, cell.y + reach);
             if (!range || distance - radius > range->mostDepth) {
-                cube.unseen |= bit;
+                cube.past |= bit;
                 continue;
             }
             ++count;
