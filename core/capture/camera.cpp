@@ -211,19 +211,18 @@ std::optional<DVec2> onLensPlane(const Camera& camera, const DVec3& world) {
     return r > 0 ? DVec2(x, y) * (std::atan2(r, z) / r) : DVec2(0);
 }
 
-/// Whether the lens distorts nothing beyond its projection.
-bool isStraight(const Camera& camera) {
-    return camera.model == LensModel::simplePinhole || camera.model == LensModel::pinhole ||
-           std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return k == 0; });
-}
-
 }  // namespace
+
+bool Camera::isDistorted() const {
+    return model != LensModel::simplePinhole && model != LensModel::pinhole &&
+           std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0; });
+}
 
 std::optional<Vec2> Camera::project(const DVec3& world) const {
     const std::optional<DVec2> plane = onLensPlane(*this, world);
     if (!plane) return std::nullopt;
     DVec2 q = *plane;
-    if (!isStraight(*this)) {
+    if (isDistorted()) {
         const Radial radial = radialOf(model, distortion);
         if (!radial.growsUpTo(glm::dot(q, q))) return std::nullopt;
         q = distort(model, radial, distortion, q);
@@ -242,7 +241,7 @@ std::optional<glm::dvec2> Camera::projectByFormula(const DVec3& world) const {
 
 Vec3 Camera::rayDirection(const Vec2& pixel) const {
     DVec2 q((pixel.x - centreX) / focalX, (pixel.y - centreY) / focalY);
-    if (!isStraight(*this)) {
+    if (isDistorted()) {
         const Radial radial = radialOf(model, distortion);
         q = undistort(model, radial, distortion, q);
     }

@@ -43,6 +43,8 @@ struct Camera {
     DVec3 position() const { return DVec3(worldFromCamera[3]); }
     /// Unit direction the camera looks in, world space.
     DVec3 forward() const { return -glm::normalize(DVec3(worldFromCamera[2])); }
+    /// Whether the lens does more than project, as a pinhole or a fisheye does.
+    bool isDistorted() const;
     /// Pixel position of a world point; none when it is behind the camera or outside the lens model's valid field
     /// (where the distortion stops growing with the angle). The point may fall outside the image.
     std::optional<Vec2> project(const DVec3& world) const;

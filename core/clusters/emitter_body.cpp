@@ -258,7 +258,8 @@ double EmitterBody::distance(const DVec3& point) const {
     return most < 0 ? most : glm::length(glm::max(past, DVec3(0)));
 }
 
-std::vector<uint32_t> EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) const {
+std::vector<uint32_t> EmitterBody::surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles,
+                                           bool open) const {
     std::vector<uint32_t> sides;
     const double longest = 2 * std::max({half.x, half.y, half.z});
     const double thin = 2 * std::min({half.x, half.y, half.z});
@@ -287,6 +288,7 @@ std::vector<uint32_t> EmitterBody::surface(std::vector<Vec3>& positions, std::ve
             return DVec3(x, r * std::cos(a), r * std::sin(a));
         };
         sheet(around, cells(2 * half.x), [&](double s, double t) { return rim(half.x * (2 * t - 1), s, 1); });
+        if (open) return sides;
         sheet(around, 1, [&](double s, double t) { return rim(half.x, s, 1e-3 + (1 - 1e-3) * (1 - t)); });
         sheet(around, 1, [&](double s, double t) { return rim(-half.x, s, 1e-3 + (1 - 1e-3) * t); });
         return sides;
@@ -373,6 +375,10 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
     }
     const size_t chosen = best[1] && !(best[0] && scores[0] > scores[1] + roundFirst) ? 1 : 0;
     if (!best[chosen]) return {};
+    for (size_t k : {0, 1})
+        if (best[k])
+            fprintf(stderr, "BODY %zu score %.4f %s at %.3f %.3f %.3f\n", k, scores[k], wordsOf(*best[k]).c_str(),
+                    best[k]->centre.x, best[k]->centre.y, best[k]->centre.z);
     EmitterBody body = *best[chosen];
     const OutlineOverlap o = fine.of(body);
     body.partOnly = fine.partOnly(body);

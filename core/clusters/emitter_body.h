@@ -27,8 +27,10 @@ struct EmitterBody {
     /// Metres of the point from the body's surface; below 0: within (up to the distance from the nearest side).
     double distance(const DVec3& point) const;
     /// Its surface with sharp edges: sides share no vertices. Edges are about a twentieth of its length, or as long as
-    /// it is thick. `triangles` of `positions`. Returns the first vertex of each side.
-    std::vector<uint32_t> surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles) const;
+    /// it is thick. `triangles` of `positions`. Returns the first vertex of each side. `open`: a round one without
+    /// ends.
+    std::vector<uint32_t> surface(std::vector<Vec3>& positions, std::vector<Triangle>& triangles,
+                                  bool open = false) const;
 };
 
 /// The tube, cone or box whose silhouettes fit the outlines best: a pattern search on their overlap from coarse to

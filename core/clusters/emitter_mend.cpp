@@ -276,11 +276,12 @@ EmitterReplacement replacedBy(const EmitterBody& body, const Scene& scene, const
                               std::string words) {
     EmitterReplacement r;
     r.body = body;
+    r.margin = bodyMargin * double(scene.diagonal);
     std::set<uint32_t> removed;
     r.setBack = ridgeSetBack(scene, light);
     if (r.setBack.empty()) {
-        collectObstacles(scene, capture, samples, outlines, LightBody(body, bodyMargin * double(scene.diagonal)),
-                         light.triangles, clusters.emitterOfTriangle, removed);
+        collectObstacles(scene, capture, samples, outlines, LightBody(body, r.margin), light.triangles,
+                         clusters.emitterOfTriangle, removed);
         const Scraps scraps = scrapsBehind(scene, capture, samples, outlines, body, removed);
         logInfo("{} triangles in the body's place go, and {} scraps that hang on them; {} may be there", removed.size(),
                 scraps.sure.size(), scraps.doubtful.size());

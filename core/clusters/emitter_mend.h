@@ -38,6 +38,8 @@ struct EmitterReplacement {
     uint32_t first = 0;                          ///< vertex of the scene, where the body is in it
     EmitterMove was;                             ///< without vertices: what it is judged by
     EmitterCluster light;                        ///< what photographs show of it
+    bool open = false;                           ///< a shade without ends, which shines to both sides
+    double margin = 0;                           ///< metres about the body that it takes the place of
     std::vector<uint8_t> dark = {};              ///< per side of the body 1 where they show that it does not shine
 };
 

@@ -9,8 +9,10 @@
 #include "pipeline/emitter_backs.h"
 #include "pipeline/flat_emitters.h"
 #include "pipeline/light_obstacles.h"
+#include "pipeline/open_shades.h"
 #include "pipeline/sharpen_creases.h"
 #include "pipeline/stand_mend.h"
+#include "pipeline/working_mesh.h"
 #include "radiance/back_sides.h"
 #include "radiance/crossed_sheets.h"
 #include "radiance/cut_surfaces.h"
@@ -89,7 +91,7 @@ public:
         float area = 0;
         std::vector<uint32_t> replaced;
         for (const RoundSheet& sheet : sheets_) {
-            completed_.push_back({mend_.added.size(), mend_.added.size() + sheet.missing.triangles.size()});
+            completed_.push_back({mend_.addedPositions.size(), sheet.missing.positions.size()});
             addPatch(sheet.missing);
             replaced.insert(replaced.end(), sheet.missing.replaced.begin(), sheet.missing.replaced.end());
             area += sheet.missing.area;
@@ -171,12 +173,14 @@ public:
                     tried - kept, tried);
             shape();
         }
-        if (takeBagsAway(found.bodies)) shape();
+        if (opens(openBags, found.bodies)) shape();
+        if (opens(openShadeEnds, found.bodies)) shape();
         // Without the bodies: the place of one may have taken its post.
         if (addStands(heldBodies(found), without, false, found.words)) apply(found.balls);
         openShades(found);
         for (const std::string& words : found.words) say(words);
-        for (const EmitterReplacement& r : found.bodies) say(r.was.words);
+        for (const EmitterReplacement& r : found.bodies)
+            say(r.was.words + (r.open ? "; open at its ends, it shines to both sides" : ""));
         for (const EmitterMove& m : found.moves) say(m.words);
     }
 
@@ -197,8 +201,10 @@ public:
             for (EmitterReplacement::Place* place : {&r.place, &r.whole}) place->removed = inFile(place->removed);
     }
 
-    bool takeBagsAway(std::vector<EmitterReplacement>& bodies) {
-        return openBags(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, bodies, progress_);
+    /// Whether `open` (openBags, openShadeEnds) changes any of the bodies.
+    template <class Open>
+    bool opens(const Open& open, std::vector<EmitterReplacement>& bodies) const {
+        return open(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, bodies, progress_);
     }
 
     /// Skins over the openings of shades: light passes them, and photographs see through them what lies behind.
@@ -262,13 +268,12 @@ public:
             if (!sheet) continue;
             without.insert(without.end(), sheet->replaced.begin(), sheet->replaced.end());
             // What completed it before goes with the rest.
-            const auto [first, last] = completed_[size_t(shade - sheets_.data())];
-            for (size_t t = first; t < last; ++t) mend_.added[t] = {};
+            const auto [first, count] = completed_[size_t(shade - sheets_.data())];
+            std::erase_if(mend_.added, [&](const Triangle& t) { return t[0] >= first && t[0] < first + count; });
             found.words.push_back(
                 "a shade is one even sheet from its rim on, in place of the shreds that opening it leaves");
             whole.push_back(std::move(*sheet));
         }
-        std::erase(mend_.added, Triangle{});
         sortUnique(without);
         return whole;
     }
@@ -318,7 +323,7 @@ public:
         };
         shape();
         if (findDarkSides(found)) shape();
-        if (takeBagsAway(found)) shape();
+        if (opens(openBags, found)) shape();
         for (const EmitterReplacement& r : found) say(r.was.words);
     }
 
@@ -365,9 +370,11 @@ public:
 
     /// Sheets that shine to the side which the mesh has not.
     void openBacks() {
-        mend_.bothSides =
+        const std::vector<uint32_t> sheets =
             shiningToBothSides(*prepared_.scene, *prepared_.samples, prepared_.clusters, options_.solve, progress_);
-        if (!mend_.bothSides.empty())
+        mend_.bothSides.insert(mend_.bothSides.end(), sheets.begin(), sheets.end());
+        sortUnique(mend_.bothSides);
+        if (!sheets.empty())
             say("a light is a sheet without a back, and photographs are explained better if it shines to both sides: "
                 "it does");
     }
@@ -399,13 +406,18 @@ private:
     }
     /// A straight body of light: all of its sides shine but those that photographs show dark.
     void addBody(EmitterReplacement& r) {
+        const auto within = [&](uint32_t v) { return r.body.distance(DVec3(mend_.addedPositions[v])) < 2 * r.margin; };
+        if (r.open)  // what was added to the mesh's shade would show in it
+            std::erase_if(mend_.added, [&](const Triangle& t) { return std::ranges::all_of(t, within); });
         SurfacePatch surface;
-        std::vector<uint32_t> ends = r.body.surface(surface.positions, surface.triangles);
+        std::vector<uint32_t> ends = r.body.surface(surface.positions, surface.triangles, r.open);
         ends.push_back(uint32_t(surface.positions.size()));
         r.first = uint32_t(file_.vertexCount() + mend_.addedPositions.size());
         for (size_t side = 0; side + 1 < ends.size(); ++side)
-            for (uint32_t v = ends[side]; v < ends[side + 1] && (r.dark.empty() || !r.dark[side]); ++v)
+            for (uint32_t v = ends[side]; v < ends[side + 1] && (r.dark.empty() || !r.dark[side]); ++v) {
                 mend_.shining.push_back(r.first + v);
+                if (r.open) mend_.bothSides.push_back(r.first + v);
+            }
         addPatch(surface);
         addPatch({r.place.ground, r.place.groundTriangles, {}, 0});
         for (const MeshMend::MovedVertex& m : r.setBack)
@@ -429,6 +441,7 @@ private:
         addProxies(capture_.proxies, capture_.mesh);
         prepared_ = prepare(capture_, options_, meter_, progress_);
         letSidesShine(*prepared_.scene, mend_.shining, prepared_.clusters);
+        letBacksShine(mend_.bothSides, prepared_.clusters);
     }
     std::vector<uint8_t> verticesOfLights() const {
         return verticesOf(*prepared_.scene, {&prepared_.clusters.emitters, &prepared_.clusters.candidates});
@@ -454,17 +467,10 @@ private:
     MeshMend mend_;
     std::vector<RoundSheet> sheets_;
     std::vector<ProxyLight> balls_;                     ///< of the emitters' own places
-    std::vector<std::pair<size_t, size_t>> completed_;  ///< per sheet the triangles that were added to it
+    std::vector<std::pair<size_t, size_t>> completed_;  ///< per sheet the first added vertex and how many
 };
 
 }  // namespace
-
-Mesh withoutProxies(Mesh mesh, size_t proxies) {
-    mesh.positions.resize(mesh.positions.size() - proxies * proxyVertices);
-    mesh.normals.resize(mesh.positions.size());
-    mesh.triangles.resize(mesh.triangles.size() - proxies * proxyTriangles);
-    return mesh;
-}
 
 std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const std::vector<EmitterCluster>*> lists) {
     std::vector<uint8_t> marked(scene.mesh.vertexCount(), 0);
@@ -476,18 +482,17 @@ std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const 
 
 MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, const std::vector<Vec3>& shape,
                   StageMeter& meter, Progress& progress) {
-    const bool moved = !shape.empty();
     MeshMender mender(options, capture, prepared, meter, progress);
     mender.partSheets();
-    const bool skirts = mender.takeSkirtsOff();
-    if (skirts || moved) mender.completeSurfaces();
-    if (skirts || moved) mender.sharpenCreases(shape);
+    const bool inexact = mender.takeSkirtsOff() || !shape.empty();
+    if (inexact) mender.completeSurfaces();
+    if (inexact) mender.sharpenCreases(shape);
     mender.roundMirrors();
-    mender.shapeEmitters(skirts || moved);
-    if (skirts || moved) mender.completeLights();
-    if (skirts || moved) mender.continueSurfaces();
-    if (skirts || moved) mender.addMissingParts();
-    if (skirts || moved) mender.closeLights();
+    mender.shapeEmitters(inexact);
+    if (inexact) mender.completeLights();
+    if (inexact) mender.continueSurfaces();
+    if (inexact) mender.addMissingParts();
+    if (inexact) mender.closeLights();
     mender.openBacks();
     return std::move(mender).result();
 }

@@ -17,9 +17,6 @@ namespace relamp {
 MeshMend mendMesh(const PipelineOptions& options, Capture& capture, Prepared& prepared, const std::vector<Vec3>& shape,
                   StageMeter& meter, Progress& progress);
 
-/// The mesh without the spheres of its proxies, which stand at its end.
-Mesh withoutProxies(Mesh mesh, size_t proxies);
-
 /// Per vertex 1 where one of these clusters lies.
 std::vector<uint8_t> verticesOf(const Scene& scene, std::initializer_list<const std::vector<EmitterCluster>*> lists);
 

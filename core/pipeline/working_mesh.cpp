@@ -133,4 +133,11 @@ float halfAnEdge(const Scene& scene) {
     return lengths.empty() ? 0.0f : medianOf(std::move(lengths)) / 2;
 }
 
+Mesh withoutProxies(Mesh mesh, size_t proxies) {
+    mesh.positions.resize(mesh.positions.size() - proxies * proxyVertices);
+    mesh.normals.resize(mesh.positions.size());
+    mesh.triangles.resize(mesh.triangles.size() - proxies * proxyTriangles);
+    return mesh;
+}
+
 }  // namespace relamp

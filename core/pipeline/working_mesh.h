@@ -24,4 +24,7 @@ Estimate carriedBack(const Estimate& found, const DecimatedMesh& working, const 
 /// What a reconstruction is off by, metres: half the median length of its edges.
 float halfAnEdge(const Scene& scene);
 
+/// The mesh without the spheres of its proxies, which stand at its end.
+Mesh withoutProxies(Mesh mesh, size_t proxies);
+
 }  // namespace relamp

@@ -18,7 +18,12 @@ constexpr int block = 16;           // texels a side that share a list of views
 class OpenView {
 public:
     OpenView(const View& view, const ViewGeometry& geometry)
-        : view_(&view), origin_(view.camera.position()), away_(geometry.triangle.size(), 0), width_(geometry.width) {
+        : view_(&view),
+          origin_(view.camera.position()),
+          middle_(view.camera.rayDirection(Vec2(view.camera.width, view.camera.height) * 0.5f)),
+          mayFold_(view.camera.isDistorted()),
+          away_(geometry.triangle.size(), 0),
+          width_(geometry.width) {
         const int w = geometry.width, h = geometry.height;
         const auto at = [&](int x, int y) -> float& { return away_[size_t(y) * size_t(w) + size_t(x)]; };
         // Distances to what is not open, by two passes over the neighbours.
@@ -40,10 +45,10 @@ public:
     /// Where a direction lies in the photograph, in pixels; nothing outside of it.
     std::optional<Vec2> place(const Vec3& direction) const {
         const Camera& camera = view_->camera;
-        if (glm::dot(camera.rayDirection(Vec2(camera.width, camera.height) * 0.5f), direction) < 0) return {};
+        if (glm::dot(middle_, direction) < 0) return {};
         const auto pixel = camera.project(origin_ + farAway * DVec3(direction));
         // A lens formula beyond the image's corners may come back into it.
-        if (!pixel || glm::dot(camera.rayDirection(*pixel), direction) < 0.9999f) return {};
+        if (!pixel || (mayFold_ && glm::dot(camera.rayDirection(*pixel), direction) < 0.9999f)) return {};
         return pixel;
     }
 
@@ -75,6 +80,8 @@ private:
     static constexpr double farAway = 1e6;
     const View* view_;
     DVec3 origin_;
+    Vec3 middle_;   ///< of the photograph: the direction it looks in
+    bool mayFold_;  ///< the lens formula may
     std::vector<float> away_;
     int width_;
 };

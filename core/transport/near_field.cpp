@@ -132,6 +132,32 @@ float formFactors(const EmitterSurface& emitter, const Vec3& point, const Vec3& 
     return sum;
 }
 
+/// Components that turn their front to the point come first, in the order they had; so many.
+size_t frontsFirst(Pieces& pieces, const Vec3& point) {
+    Pieces fronts, backs;
+    for (size_t t = 0; t < pieces.corners.size(); ++t) {
+        const auto& c = pieces.corners[t];
+        const bool front = glm::dot(glm::cross(c[1] - c[0], c[2] - c[0]), point - c[0]) > 0;
+        (front ? fronts : backs).corners.push_back(c);
+        (front ? fronts : backs).factors.push_back(pieces.factors[t]);
+    }
+    const size_t count = fronts.corners.size();
+    pieces.corners.clear();
+    pieces.factors.clear();
+    for (const Pieces* part : {&fronts, &backs}) {
+        pieces.corners.insert(pieces.corners.end(), part->corners.begin(), part->corners.end());
+        pieces.factors.insert(pieces.factors.end(), part->factors.begin(), part->factors.end());
+    }
+    return count;
+}
+
+/// Scales the form factors so that they add up to `total`.
+void addUpTo(float total, std::span<EmitterSample> samples) {
+    float sum = 0;
+    for (const EmitterSample& s : samples) sum += s.formFactor;
+    for (EmitterSample& s : samples) s.formFactor *= total / sum;
+}
+
 Vec3 highestCorner(const std::array<Vec3, 3>& c, const Vec3& point, const Vec3& normal) {
     return *std::max_element(c.begin(), c.end(), [&](const Vec3& a, const Vec3& b) {
         return glm::dot(a - point, normal) < glm::dot(b - point, normal);
@@ -149,12 +175,16 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
     thread_local Pieces components;
     const float total = std::min(1.0f, formFactors(emitter, point, normal, components));
     if (!(total > 0)) return 0;
+    // The back of a shade that is open is hidden by its front: samples of either stand for their own side.
+    const size_t fronts = emitter.twoSided ? frontsFirst(components, point) : components.corners.size();
     std::vector<float>& factors = components.factors;
     float sum = 0;
     for (float& f : factors) {
         sum += f;
         f = sum;
     }
+    const float ofFronts = fronts > 0 ? factors[fronts - 1] : 0;
+    size_t ofFrontSamples = 0;
     if (count <= 0) {
         const float distance2 = std::max(glm::dot(emitter.centroid - point, emitter.centroid - point), 1e-20f);
         count = samplesForSolidAngle(emitter.area() / distance2);
@@ -172,7 +202,6 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         pending = 0;
     };
     const float first = unitFloat(mixBits(seed ^ 0x9d));
-    float weights = 0;
     for (int i = 0; i < count; ++i) {
         // Stratified over the components' shares, low-discrepancy inside each component.
         const float pick = (float(i) + first) / float(count) * sum;
@@ -195,7 +224,7 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         const float kernel =
             std::abs(glm::dot(twiceArea, straight)) * std::max(0.0f, glm::dot(straight, normal)) / (2 * pi * d2 * d2);
         s.formFactor = d2 > 0 && fraction > 0 ? std::clamp(kernel / fraction, 0.25f, 4.0f) : 1.0f;
-        weights += s.formFactor;
+        ofFrontSamples += t < fronts;
         s.direction = distance > 0 ? to / distance : normal;
         s.level = emitter.levelAt(target, -s.direction);
         samples.push_back(s);
@@ -203,7 +232,12 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         if (pending == 8) flush();
     }
     flush();
-    for (EmitterSample& s : samples) s.formFactor *= total / weights;
+    if (ofFrontSamples == 0 || ofFrontSamples == samples.size()) {
+        addUpTo(total, samples);
+    } else {
+        addUpTo(total * ofFronts / sum, std::span(samples).first(ofFrontSamples));
+        addUpTo(total * (1 - ofFronts / sum), std::span(samples).subspan(ofFrontSamples));
+    }
     return total;
 }
 
