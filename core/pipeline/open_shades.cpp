@@ -10,7 +10,7 @@
 namespace relamp {
 namespace {
 
-constexpr double leastWidth = 0.4;  ///< of the narrower end, of the length: a lamp tube has ends
+constexpr double leastWidth = 0.4;  ///< of the narrower end, of the length: fluorescent tubes have ends
 constexpr double leastFall = 0.002, leastErrors = 4;
 constexpr double leastRise = 0.01, sureOfRise = 3;  ///< of the misfit, with the ends of a cone open; standard errors
 

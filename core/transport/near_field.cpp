@@ -83,6 +83,8 @@ float triangleFormFactor(const Vec3& point, const Vec3& normal, const std::array
 
 namespace {
 
+constexpr int mostSamples = 256;
+
 /// What an emitter shows to a point: triangles, near ones cut up so that the form factor is spread evenly over each
 /// component.
 struct Pieces {
@@ -166,7 +168,7 @@ Vec3 highestCorner(const std::array<Vec3, 3>& c, const Vec3& point, const Vec3& 
 
 }  // namespace
 
-int samplesForSolidAngle(float steradians) { return steradians < 0.06f ? 16 : steradians < 1 ? 64 : 256; }
+int samplesForSolidAngle(float steradians) { return steradians < 0.06f ? 16 : steradians < 1 ? 64 : mostSamples; }
 
 float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, int count,
                     uint64_t seed, std::vector<EmitterSample>& samples) {
@@ -185,9 +187,12 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
     }
     const float ofFronts = fronts > 0 ? factors[fronts - 1] : 0;
     size_t ofFrontSamples = 0;
-    if (count <= 0) {
+    const bool twoSides = fronts != 0 && fronts != factors.size();
+    const bool byAngle = count <= 0;
+    if (byAngle) {
         const float distance2 = std::max(glm::dot(emitter.centroid - point, emitter.centroid - point), 1e-20f);
         count = samplesForSolidAngle(emitter.area() / distance2);
+        if (twoSides) count = std::min(4 * count, mostSamples);
     }
     const Vec3 origin = rayOrigin(scene, point, normal);
     const Vec2 shift = randomShift(seed, 0x51, 0x7f);
@@ -232,6 +237,12 @@ float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec
         if (pending == 8) flush();
     }
     flush();
+    if (twoSides && byAngle && count < mostSamples) {
+        const auto backs = samples.begin() + std::ptrdiff_t(ofFrontSamples);
+        const auto shown = std::count_if(backs, samples.end(), [](const EmitterSample& s) { return s.visible > 0; });
+        if (shown > 0 && shown < samples.end() - backs)  // one sees a part of the back
+            return sampleEmitter(scene, emitter, point, normal, mostSamples, seed, samples);
+    }
     if (ofFrontSamples == 0 || ofFrontSamples == samples.size()) {
         addUpTo(total, samples);
     } else {

@@ -48,8 +48,9 @@ struct EmitterSample {
     float level = 1;       ///< EmitterSurface::levelAt where it arrives
 };
 
-/// `count` samples spread over what the emitter covers in proportion to the form factor. Returns the unshadowed form
-/// factor. `seed` fixes the pattern.
+/// `count` samples spread over what the emitter covers in proportion to the form factor; 0: by its solid angle, and
+/// four times as many where a sheet that shines to both sides shows both, 256 where only a part of its back is seen.
+/// Returns the unshadowed form factor. `seed` fixes the pattern.
 float sampleEmitter(const Scene& scene, const EmitterSurface& emitter, const Vec3& point, const Vec3& normal, int count,
                     uint64_t seed, std::vector<EmitterSample>& samples);
 
