@@ -375,10 +375,6 @@ std::optional<EmitterBody> fitBody(const Scene& scene, const Capture& capture, c
     }
     const size_t chosen = best[1] && !(best[0] && scores[0] > scores[1] + roundFirst) ? 1 : 0;
     if (!best[chosen]) return {};
-    for (size_t k : {0, 1})
-        if (best[k])
-            fprintf(stderr, "BODY %zu score %.4f %s at %.3f %.3f %.3f\n", k, scores[k], wordsOf(*best[k]).c_str(),
-                    best[k]->centre.x, best[k]->centre.y, best[k]->centre.z);
     EmitterBody body = *best[chosen];
     const OutlineOverlap o = fine.of(body);
     body.partOnly = fine.partOnly(body);
