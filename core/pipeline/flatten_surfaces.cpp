@@ -70,8 +70,6 @@ std::vector<uint8_t> withSkirts(const Capture& capture, const Scene& scene, cons
     return lights;
 }
 
-MisfitFall reversed(const MisfitFall& fall) { return {-fall.part, -fall.errors, fall.pairs}; }
-
 /// The flat surfaces whose waves are worth a change; `bentToo`: those as well that a skirt may have bent.
 std::vector<FlatSurface> wavySurfaces(const Scene& scene, size_t own, const std::vector<uint8_t>& leftOut,
                                       bool bentToo) {
@@ -106,7 +104,7 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     std::vector<FlatSurface> wanted;
     for (size_t s = 0; s < wavy.size(); ++s) {
         const MisfitFall fall = agreeBetter(flat, int(s), samples, *seen);
-        const bool relief = reversed(fall).exceeds(disagreeMore, sureOfDisagreement);
+        const bool relief = fall.reversed().exceeds(disagreeMore, sureOfDisagreement);
         const DVec3 at = wavy[s].point + capture.origin;
         logInfo("a flat surface of {:.2f} m2 at {:.2f} {:.2f} {:.2f} has waves of {:.2f} mm; photographs without: {}{}",
                 wavy[s].area, at.x, at.y, at.z, 1000 * flat.waves[s], fall.words(), relief ? ": left as it is" : "");
@@ -121,7 +119,7 @@ FlattenedSurfaces flattenSurfaces(const Capture& capture, const Scene& scene, co
     const MisfitFall fall =
         misfitFall(pilotMisfits(scene, samples, clusters, observed.matte, observed.pairs, options, progress),
                    pilotMisfits(even, samples, clusters, observed.matte, observed.pairs, options, progress));
-    const bool worse = reversed(fall).exceeds(explainWorse, sureOfWorse);
+    const bool worse = fall.reversed().exceeds(explainWorse, sureOfWorse);
     logInfo("with flat surfaces: {}{}", fall.words(), worse ? "; left as they are" : "");
     if (worse || wanted.empty()) return {};
     if (wanted.size() < wavy.size()) flat = flattening(scene, wanted, own, leftOut);

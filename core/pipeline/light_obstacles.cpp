@@ -39,6 +39,14 @@ std::vector<std::vector<uint32_t>> obstacleSuspects(const Scene& scene, const Ra
     return suspects;
 }
 
+Scene withoutShadowOf(const Scene& scene, const std::vector<uint32_t>& triangles) {
+    Scene open = scene;
+    open.mesh.shadowless.insert(open.mesh.shadowless.end(), triangles.begin(), triangles.end());
+    sortUnique(open.mesh.shadowless);
+    open.tracer = std::make_shared<const RayTracer>(open.mesh, open.diagonal);
+    return open;
+}
+
 std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& samples,
                                      const EmitterClusters& emitters,
                                      const std::vector<std::vector<uint32_t>>& suspects, const SolveOptions& options,
@@ -69,11 +77,8 @@ std::vector<uint32_t> falseObstacles(const Scene& scene, const RadianceSamples& 
         }
         sortUnique(triangles);
         if (triangles.size() == result.size()) continue;
-        Scene open = scene;
-        open.mesh.shadowless = triangles;
-        open.tracer = std::make_shared<const RayTracer>(open.mesh, open.diagonal);
-        const std::vector<double> misfits =
-            pilotMisfits(open, samples, emitters, observed.matte, observed.pairs, options, progress);
+        const std::vector<double> misfits = pilotMisfits(withoutShadowOf(scene, triangles), samples, emitters,
+                                                         observed.matte, observed.pairs, options, progress);
         const MisfitFall fall = misfitFall(present, misfits);
         logInfo("without the shadow of {} triangles beside a light: {}", triangles.size() - result.size(),
                 fall.words());

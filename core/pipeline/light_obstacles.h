@@ -7,6 +7,9 @@
 
 namespace relamp {
 
+/// The scene with more triangles that light passes. O(triangles).
+Scene withoutShadowOf(const Scene& scene, const std::vector<uint32_t>& triangles);
+
 /// Triangles, ascending, that hide light though the photographs are explained better without them: those of a suspect
 /// go if the misfit of the planner's pilot falls by 1 % or more and by three standard errors without it. `suspects`:
 /// vertices of each. Cost: a pilot for a suspect, a second on a mesh of 50 000 vertices; nothing without suspects.

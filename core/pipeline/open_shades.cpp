@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/log.h"
-#include "base/sort_unique.h"
+#include "pipeline/light_obstacles.h"
 #include "pipeline/mend_mesh.h"
 #include "pipeline/plan_pilot.h"
 
@@ -11,11 +11,11 @@ namespace relamp {
 namespace {
 
 constexpr double leastWidth = 0.4;  ///< of the narrower end, of the length: fluorescent tubes have ends
-constexpr double leastFall = 0.002, leastErrors = 4;
-constexpr double leastRise = 0.01, sureOfRise = 3;  ///< of the misfit, with the ends of a cone open; standard errors
+constexpr double leastFall = 0.002, leastErrors = 4;  ///< of the misfit, with the ends of a tube open; standard errors
+constexpr double leastRise = 0.01, sureOfRise = 3;    ///< the same of a cone
 
-/// Vertices of the scene, from the first of its ends to its last.
-struct Ends {
+/// Vertices of the scene from `first` up to `last`.
+struct VertexRange {
     uint32_t first = 0, last = 0;
     bool holds(uint32_t v) const { return v >= first && v < last; }
 };
@@ -26,7 +26,7 @@ bool mayBeOpen(const EmitterReplacement& r) {
     return narrow > leastWidth * r.body.half.x;
 }
 
-Ends endsOf(const EmitterReplacement& r) {
+VertexRange endsOf(const EmitterReplacement& r) {
     std::vector<Vec3> positions;
     std::vector<Triangle> triangles;
     const std::vector<uint32_t> sides = r.body.surface(positions, triangles);
@@ -34,17 +34,16 @@ Ends endsOf(const EmitterReplacement& r) {
 }
 
 /// Light passes the ends.
-Scene without(const Scene& scene, const Ends& ends) {
-    Scene open = scene;
+Scene without(const Scene& scene, const VertexRange& ends) {
+    std::vector<uint32_t> triangles;
     for (uint32_t t = 0; t < scene.mesh.triangles.size(); ++t)
-        if (ends.holds(scene.mesh.triangles[t][0])) open.mesh.shadowless.push_back(t);
-    sortUnique(open.mesh.shadowless);
-    open.tracer = std::make_shared<const RayTracer>(open.mesh, open.diagonal);
-    return open;
+        if (ends.holds(scene.mesh.triangles[t][0])) triangles.push_back(t);
+    return withoutShadowOf(scene, triangles);
 }
 
 /// The sides alone shine, to both sides.
-EmitterClusters asSheet(const Scene& scene, const EmitterClusters& clusters, const Ends& ends, const Ends& body) {
+EmitterClusters asSheet(const Scene& scene, const EmitterClusters& clusters, const VertexRange& ends,
+                        const VertexRange& body) {
     EmitterClusters open = clusters;
     for (EmitterCluster& e : open.emitters) {
         const bool its = std::any_of(e.vertices.begin(), e.vertices.end(), [&](uint32_t v) { return body.holds(v); });
@@ -69,16 +68,16 @@ bool openShadeEnds(const Scene& scene, const RadianceSamples& samples, const Emi
     const auto misfits = [&](const Scene& of, const EmitterClusters& emitters) {
         return pilotMisfits(of, samples, emitters, observed.matte, observed.pairs, options, progress);
     };
+    const std::vector<double> closed = misfits(scene, clusters);
     bool any = false;
     for (EmitterReplacement& r : bodies) {
         if (!mayBeOpen(r)) continue;
-        const Ends ends = endsOf(r);
+        const VertexRange ends = endsOf(r);
         const MisfitFall fall =
-            misfitFall(misfits(scene, clusters),
-                       misfits(without(scene, ends), asSheet(scene, clusters, ends, {r.first, ends.last})));
+            misfitFall(closed, misfits(without(scene, ends), asSheet(scene, clusters, ends, {r.first, ends.last})));
         logInfo("{}, if it is open at its ends and shines to both sides: {}", wordsOf(r.body), fall.words());
-        const MisfitFall rise{-fall.part, -fall.errors, fall.pairs};
-        r.open = r.body.taper != 0 ? !rise.exceeds(leastRise, sureOfRise) : fall.exceeds(leastFall, leastErrors);
+        r.open =
+            r.body.taper != 0 ? !fall.reversed().exceeds(leastRise, sureOfRise) : fall.exceeds(leastFall, leastErrors);
         any |= r.open;
     }
     return any;

@@ -65,6 +65,8 @@ struct MisfitFall {
     size_t pairs = 0;
     /// Whether it is both at least so large and so sure.
     bool exceeds(double leastPart, double leastErrors) const { return part > leastPart && errors > leastErrors; }
+    /// From the other fit to this one.
+    MisfitFall reversed() const { return {-part, -errors, pairs}; }
     /// "misfit of 4000 pairs -7.03 %, 8.7 standard errors".
     std::string words() const;
 };
